@@ -1,0 +1,7 @@
+#include "commands.h"
+
+namespace livemvs::app {
+
+void AddDepthCheckCommand(CLI::App&) {}
+
+}  // namespace livemvs::app

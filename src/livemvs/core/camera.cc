@@ -1,0 +1,119 @@
+#include "livemvs/core/camera.h"
+
+#include <stdexcept>
+
+namespace livemvs {
+namespace {
+
+// Rays further off the axis are not used: their texture is smeared and seeds keep (X / Z, Y / Z).
+constexpr double kMaxRadius2 = 32.16;  // tan² 80°
+
+template <typename Model>
+DistortedPoint<double> DistortWith(Model, const Camera& camera, double x, double y) {
+  return Model::Distort(camera.distortion.data(), x, y);
+}
+
+DistortedPoint<double> Distort(const Camera& camera, double x, double y) {
+  return VisitModel(camera.model, [&](auto model) { return DistortWith(model, camera, x, y); });
+}
+
+void CheckFinite(double value, const char* name) {
+  if (!std::isfinite(value)) {
+    throw std::invalid_argument(std::string("camera: ") + name + " is not finite");
+  }
+}
+
+}  // namespace
+
+void Camera::Check() const {
+  if (width < 1 || height < 1 || width > 32768 || height > 32768) {
+    throw std::invalid_argument("camera: image size " + std::to_string(width) + " x " +
+                                std::to_string(height) + " is not within 1 ... 32768");
+  }
+  CheckFinite(fx, "fx");
+  CheckFinite(fy, "fy");
+  CheckFinite(cx, "cx");
+  CheckFinite(cy, "cy");
+  for (const double k : distortion) CheckFinite(k, "a distortion coefficient");
+  if (!(fx > 0) || fy == 0) {
+    throw std::invalid_argument("camera: focal lengths fx = " + std::to_string(fx) + ", fy = " +
+                                std::to_string(fy) + "; fx must be positive and fy not zero");
+  }
+}
+
+double MaxValidRadius2(const Camera& camera) {
+  if (camera.model == CameraModel::kPinhole) return kMaxRadius2;
+  // March outwards along both diagonals' worst case: the radial derivative must stay positive.
+  const double r_max = std::sqrt(kMaxRadius2);
+  constexpr int kSteps = 2000;
+  double valid = 0;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double r = r_max * i / kSteps;
+    for (int direction = 0; direction < 8; ++direction) {
+      const double angle = direction * (M_PI / 4);
+      const double ux = std::cos(angle), uy = std::sin(angle);
+      const DistortedPoint<double> p = Distort(camera, r * ux, r * uy);
+      const double radial = ux * (p.xx * ux + p.xy * uy) + uy * (p.yx * ux + p.yy * uy);
+      if (!(radial > 0.05) || !(p.xx * p.yy - p.xy * p.yx > 0)) {
+        // Kannala-Brandt flattens far out by nature (atan); only a fold ends its range.
+        if (camera.model != CameraModel::kKannalaBrandt || !(radial > 0)) return valid * valid;
+      }
+    }
+    valid = r;
+  }
+  return valid * valid;
+}
+
+std::optional<Eigen::Vector2d> Projector::Project(const Eigen::Vector3d& point_in_cam) const {
+  if (!(point_in_cam.z() > 0)) return std::nullopt;
+  const double x = point_in_cam.x() / point_in_cam.z();
+  const double y = point_in_cam.y() / point_in_cam.z();
+  if (!(x * x + y * y <= r2_max_)) return std::nullopt;
+  const DistortedPoint<double> p = Distort(camera_, x, y);
+  return Eigen::Vector2d(camera_.fx * p.x + camera_.cx, camera_.fy * p.y + camera_.cy);
+}
+
+std::optional<Eigen::Vector3d> Projector::Unproject(const Eigen::Vector2d& pixel) const {
+  const double xd = (pixel.x() - camera_.cx) / camera_.fx;
+  const double yd = (pixel.y() - camera_.cy) / camera_.fy;
+  if (!std::isfinite(xd) || !std::isfinite(yd)) return std::nullopt;
+  double x = xd, y = yd;
+  if (camera_.model == CameraModel::kKannalaBrandt) {
+    // Start from the undistorted fisheye, whose radius is the angle itself.
+    const double theta = std::min(std::hypot(xd, yd), 1.39);
+    const double scale = theta > 1e-9 ? std::tan(theta) / std::hypot(xd, yd) : 1;
+    x *= scale;
+    y *= scale;
+  }
+  constexpr int kIterations = 50;
+  constexpr double kTolerance = 1e-10;
+  for (int i = 0; i < kIterations; ++i) {
+    if (x * x + y * y > r2_max_) {  // back to the valid disc: the solution lies in it or nowhere
+      const double shrink = std::sqrt(r2_max_ / (x * x + y * y));
+      x *= shrink;
+      y *= shrink;
+    }
+    const DistortedPoint<double> p = Distort(camera_, x, y);
+    const double ex = xd - p.x, ey = yd - p.y;
+    if (std::abs(ex) < kTolerance && std::abs(ey) < kTolerance) return Eigen::Vector3d(x, y, 1);
+    const double det = p.xx * p.yy - p.xy * p.yx;
+    if (!(std::abs(det) > 1e-12)) return std::nullopt;
+    x += (p.yy * ex - p.xy * ey) / det;
+    y += (p.xx * ey - p.yx * ex) / det;
+  }
+  return std::nullopt;
+}
+
+std::string ToString(CameraModel model) {
+  switch (model) {
+    case CameraModel::kBrownConrady:
+      return "Brown-Conrady";
+    case CameraModel::kKannalaBrandt:
+      return "Kannala-Brandt";
+    case CameraModel::kPinhole:
+      break;
+  }
+  return "pinhole";
+}
+
+}  // namespace livemvs

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "livemvs/core/frame.h"
+
+namespace livemvs {
+
+/// A converged seed: one point of the model.
+struct Point {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< In the world [scene].
+  Eigen::Vector3f normal =
+      Eigen::Vector3f::Zero();  ///< Unit; towards the camera where only that is known.
+  Rgb color{};
+  float sigma = 0;          ///< Standard deviation of the depth [scene].
+  float inlier_ratio = 0;   ///< Mean of the Beta posterior, a / (a + b).
+  std::uint16_t views = 0;  ///< Frames whose measurement agreed.
+};
+
+using PointCloud = std::vector<Point>;
+
+/// An axis-aligned box in the world. [scene]
+struct Box {
+  Eigen::Vector3d min = Eigen::Vector3d::Zero();
+  Eigen::Vector3d max = Eigen::Vector3d::Zero();
+
+  bool Contains(const Eigen::Vector3d& p) const {
+    return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
+  }
+};
+
+}  // namespace livemvs
