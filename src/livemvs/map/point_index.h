@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace livemvs {
+
+/// Finds the nearest of a fixed set of points. Queries are const and may run in parallel; the same
+/// points give the same answers, ties included.
+class PointIndex {
+ public:
+  struct Neighbor {
+    std::uint32_t index;  ///< Into the points given to the constructor.
+    float distance2;      ///< Squared distance [scene^2].
+  };
+
+  /// @param points  At most 2^32 - 1, all finite.
+  /// @throws std::invalid_argument where a coordinate is not finite.
+  explicit PointIndex(std::vector<Eigen::Vector3f> points);
+  ~PointIndex();
+  PointIndex(PointIndex&&) noexcept;
+  PointIndex& operator=(PointIndex&&) noexcept;
+
+  std::size_t size() const;
+  const std::vector<Eigen::Vector3f>& points() const;
+
+  /// The k points nearest to `query`, nearest first; fewer where the set is smaller. A point of the
+  /// set finds itself first. `neighbors` is resized; keep it between calls to save allocations.
+  void Nearest(const Eigen::Vector3f& query, int k, std::vector<Neighbor>* neighbors) const;
+
+  /// Distance to the nearest point [scene]; infinite where the set is empty.
+  float NearestDistance(const Eigen::Vector3f& query) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace livemvs
