@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "livemvs/io/frame_source.h"
+
+namespace livemvs {
+
+struct VideoSourceOptions {
+  int threads = 2;  ///< Of the decoder; frames come out in the same order for any number.
+};
+
+/// Opens a video file: H.264, HEVC, VP8, VP9, AV1, MPEG-4 or Motion JPEG in MP4, MOV, MKV, WebM or
+/// AVI. Luma is taken from the decoder as it is; the rotation that phones write is applied. Time
+/// stamps are the container's, so that variable frame rates keep their meaning. A frame that the
+/// decoder lost or knows to be damaged is passed over and counted; `SourceFrame::index` still
+/// counts it. A file that ends early gives the frames that are there.
+/// @throws Error (kBadInput) naming the file and the remedy, where it is missing, empty, no video,
+/// of another kind, or cut before its index was written.
+std::unique_ptr<FrameSource> OpenVideo(const std::filesystem::path& path,
+                                       const VideoSourceOptions& options = {});
+
+/// Whether the name ends as one of the containers that OpenVideo reads (.mp4, .mov, .m4v, .mkv,
+/// .webm, .avi), in any case.
+bool HasVideoExtension(const std::filesystem::path& path);
+
+}  // namespace livemvs
