@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "livemvs/backend/seed_columns.h"
+#include "livemvs/core/image.h"
+#include "livemvs/core/options.h"
+
+namespace livemvs {
+
+/// Consecutive seeds [begin, end) that were born in the same frame, and how it lies to the current
+/// one.
+struct SeedGroup {
+  std::size_t begin;
+  std::size_t end;
+  RelativeView<float> view;
+  float pixel_width;  ///< 1 / f of the reference camera.
+};
+
+/// What one update of all seeds did, by the status of the match and the fate that followed.
+struct UpdateStatistics {
+  std::int64_t matched = 0;
+  std::int64_t no_information = 0;
+  std::int64_t out_of_view = 0;
+  std::int64_t mismatched = 0;
+
+  /// Updates of the posterior and frames that were looked at, with or without a result.
+  std::int64_t total() const { return matched + no_information + out_of_view + mismatched; }
+
+  UpdateStatistics& operator+=(const UpdateStatistics& other) {
+    matched += other.matched;
+    no_information += other.no_information;
+    out_of_view += other.out_of_view;
+    mismatched += other.mismatched;
+    return *this;
+  }
+};
+
+/// Runs step 2 of Algorithm 1 on a device.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+
+  /// For people: "CPU, AVX2, 2 threads".
+  virtual std::string name() const = 0;
+
+  /// Meets all seeds of the groups with the current frame: project, match, fuse, judge. Writes
+  /// their posterior, counts and fate. All groups' cameras have the model `model`.
+  virtual UpdateStatistics Update(const SeedColumns& seeds,
+                                  const std::vector<SeedGroup>& groups,
+                                  CameraModel model,
+                                  const ImageView<std::uint8_t>& image) = 0;
+};
+
+/// The CPU backend. Options are copied.
+std::unique_ptr<Backend> MakeCpuBackend(const Options& options);
+
+}  // namespace livemvs

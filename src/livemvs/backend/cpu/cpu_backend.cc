@@ -1,0 +1,119 @@
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+
+#include "livemvs/backend/backend.h"
+#include "livemvs/backend/cpu/kernels.h"
+
+namespace livemvs {
+
+#if defined(__x86_64__)
+namespace avx512 {
+UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
+}
+namespace avx2 {
+UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
+}
+#endif
+namespace portable {
+UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
+}
+
+std::vector<NamedKernel> UsableKernels() {
+  std::vector<NamedKernel> kernels;
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
+    kernels.push_back({"AVX-512", avx512::Update});
+  }
+  if (__builtin_cpu_supports("avx2")) kernels.push_back({"AVX2", avx2::Update});
+#endif
+  kernels.push_back({"portable", portable::Update});
+  return kernels;
+}
+
+namespace {
+
+// Seeds per task: enough to amortise the scheduler, few enough to balance two cores.
+constexpr std::size_t kSeedsPerTask = 2048;
+
+struct Task {
+  UpdateJob job;
+  std::size_t begin;
+  std::size_t end;
+};
+
+class CpuBackend final : public Backend {
+ public:
+  explicit CpuBackend(const Options& options)
+      : options_(options),
+        is_outlier_(options.eta_outlier, options.outlier_certainty),
+        kernel_(UsableKernels().front()),
+        arena_(options.threads > 0 ? options.threads : tbb::task_arena::automatic) {}
+
+  std::string name() const override {
+    return std::string("CPU, ") + kernel_.name + ", " + std::to_string(arena_.max_concurrency()) +
+           (arena_.max_concurrency() == 1 ? " thread" : " threads");
+  }
+
+  UpdateStatistics Update(const SeedColumns& seeds,
+                          const std::vector<SeedGroup>& groups,
+                          CameraModel model,
+                          const ImageView<std::uint8_t>& image) override {
+    tasks_.clear();
+    for (const SeedGroup& group : groups) {
+      const UpdateJob job = {
+          &options_, &is_outlier_, seeds, &group, model, image, NeedsWarp(seeds, group)};
+      for (std::size_t begin = group.begin; begin < group.end; begin += kSeedsPerTask) {
+        tasks_.push_back({job, begin, std::min(begin + kSeedsPerTask, group.end)});
+      }
+    }
+    results_.assign(tasks_.size(), {});
+    arena_.execute([&] {
+      tbb::parallel_for(std::size_t{0}, tasks_.size(), [&](std::size_t i) {
+        results_[i] = kernel_.update(tasks_[i].job, tasks_[i].begin, tasks_[i].end);
+      });
+    });
+    UpdateStatistics sum;
+    for (const UpdateStatistics& r : results_) sum += r;
+    return sum;
+  }
+
+ private:
+  // Whether the patches of a group look turned or scaled enough in the current image for the
+  // sampling grid to follow. Decided once for the group, on its middle seed's scale.
+  bool NeedsWarp(const SeedColumns& seeds, const SeedGroup& group) const {
+    if (options_.warp_roll_deg <= 0 || group.begin == group.end) return false;
+    const float roll_limit = std::cos(options_.warp_roll_deg * static_cast<float>(M_PI / 180));
+    if (group.view.roll_cos < roll_limit) return true;
+    if (options_.warp_scale <= 0) return false;
+    const std::size_t i = (group.begin + group.end) / 2;
+    const Projection<float> p = ProjectSeed<PinholeModel>(group.view,
+                                                          options_.coordinate,
+                                                          {seeds.c0[i], seeds.c1[i]},
+                                                          seeds.bearing_x[i],
+                                                          seeds.bearing_y[i],
+                                                          seeds.mu[i]);
+    return p.visible && (p.scale > options_.warp_scale || p.scale < 1 / options_.warp_scale);
+  }
+
+  Options options_;
+  OutlierRule is_outlier_;
+  NamedKernel kernel_;
+  tbb::task_arena arena_;
+  std::vector<Task> tasks_;
+  std::vector<UpdateStatistics> results_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> MakeCpuBackend(const Options& options) {
+  return std::make_unique<CpuBackend>(options);
+}
+
+}  // namespace livemvs

@@ -1,0 +1,101 @@
+#include "livemvs/core/options.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace livemvs {
+namespace {
+
+void Require(bool ok, const char* option, double value, const char* allowed) {
+  if (ok) return;
+  throw std::invalid_argument(std::string("option ") + option + " = " + std::to_string(value) +
+                              " must be " + allowed);
+}
+
+}  // namespace
+
+void Options::Check() const {
+  Require(max_seeds >= 1 && max_seeds <= 64'000'000, "max_seeds", max_seeds, "1 ... 64000000");
+  Require(seed_spacing_px >= 1 && seed_spacing_px <= 64,
+          "seed_spacing_px",
+          seed_spacing_px,
+          "1 ... 64");
+  Require(cover_radius_px >= -1 && cover_radius_px <= 64,
+          "cover_radius_px",
+          cover_radius_px,
+          "-1 ... 64");
+  Require(cover_angle_deg > 0 && cover_angle_deg <= 180,
+          "cover_angle_deg",
+          cover_angle_deg,
+          "in (0, 180]");
+  Require(min_patch_stddev >= 0, "min_patch_stddev", min_patch_stddev, "0 or more");
+  Require(prior_a > 0 && prior_a < 1e4F, "prior_a", prior_a, "in (0, 10000)");
+  Require(prior_b > 0 && prior_b < 1e4F, "prior_b", prior_b, "in (0, 10000)");
+  Require(search_radius_px >= 1 && search_radius_px <= 1000,
+          "search_radius_px",
+          search_radius_px,
+          "1 ... 1000");
+  Require(search_sigmas >= 0, "search_sigmas", search_sigmas, "0 or more");
+  Require(search_radius_max_px >= search_radius_px && search_radius_max_px <= 2000,
+          "search_radius_max_px",
+          search_radius_max_px,
+          "search_radius_px ... 2000");
+  Require(min_ncc >= -1 && min_ncc < 1, "min_ncc", min_ncc, "in [-1, 1)");
+  Require(ambiguity_ncc >= 0, "ambiguity_ncc", ambiguity_ncc, "0 or more");
+  Require(min_parallax_px >= 0, "min_parallax_px", min_parallax_px, "0 or more");
+  Require(warp_roll_deg >= 0, "warp_roll_deg", warp_roll_deg, "0 or more");
+  Require(warp_scale >= 1 || warp_scale == 0, "warp_scale", warp_scale, "1 or more, or 0");
+  Require(measurement_sigma_px > 0, "measurement_sigma_px", measurement_sigma_px, "positive");
+  Require(image_noise >= 0, "image_noise", image_noise, "0 or more");
+  Require(max_measurement_sigma_px >= measurement_sigma_px,
+          "max_measurement_sigma_px",
+          max_measurement_sigma_px,
+          "at least measurement_sigma_px");
+  Require(eta_outlier >= 0 && eta_outlier < 1, "eta_outlier", eta_outlier, "in [0, 1)");
+  Require(outlier_certainty > 0.5F && outlier_certainty < 1,
+          "outlier_certainty",
+          outlier_certainty,
+          "in (0.5, 1)");
+  Require(eta_inlier >= 0 && eta_inlier < 1, "eta_inlier", eta_inlier, "in [0, 1)");
+  Require(epsilon_range >= 0, "epsilon_range", epsilon_range, "0 or more");
+  Require(epsilon_px > 0 || (epsilon_px == 0 && epsilon_range > 0),
+          "epsilon_px",
+          epsilon_px,
+          "positive, or 0 with a positive epsilon_range");
+  Require(min_views >= 0, "min_views", min_views, "0 or more");
+  Require(max_age >= 0 && max_age < 65535, "max_age", max_age, "0 ... 65534");
+  Require(max_unseen >= 0 && max_unseen < 255, "max_unseen", max_unseen, "0 ... 254");
+  Require(threads >= 0 && threads <= 1024, "threads", threads, "0 ... 1024");
+}
+
+Options PaperOptions() {
+  Options o;
+  o.min_patch_stddev = 0;
+  o.coordinate = DepthCoordinate::kDepth;
+  o.search_sigmas = 0;
+  o.search_radius_max_px = o.search_radius_px;
+  o.min_ncc = -1;
+  o.ambiguity_ncc = 0;
+  o.warp_roll_deg = 0;
+  o.warp_scale = 0;
+  o.measurement_sigma_px = 1;
+  o.image_noise = 0;
+  o.outlier_density = OutlierDensity::kRange;
+  o.eta_inlier = 0.1F;
+  o.epsilon_range = 0.01F;
+  o.epsilon_px = 0;
+  o.min_views = 0;
+  o.max_age = 0;
+  o.max_unseen = 0;
+  return o;
+}
+
+Options DefaultOptions() { return Options(); }
+
+Options OptionsFromPreset(const std::string& name) {
+  if (name == "default") return DefaultOptions();
+  if (name == "paper") return PaperOptions();
+  throw std::invalid_argument("preset '" + name + "' is unknown; there are 'default' and 'paper'");
+}
+
+}  // namespace livemvs

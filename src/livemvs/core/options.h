@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace livemvs {
+
+/// The coordinate along a seed's ray in which its posterior is Gaussian.
+enum class DepthCoordinate {
+  kDepth,        ///< Z, as published.
+  kInverseDepth  ///< 1 / Z: the projection moves almost linearly in it, however wide the range.
+};
+
+/// The density u of an outlier measurement, [VH11] Eq. (1).
+enum class OutlierDensity {
+  kRange,  ///< 1 / (Z_max - Z_min), as published.
+  kWindow  ///< 1 / (length of the interval that was searched): outliers fall into the window only.
+};
+
+/// How far along the epipolar line a match is sought.
+enum class Search {
+  kAuto,    ///< kFull where the steps between frames are too wide for the window, else kWindow.
+  kWindow,  ///< Near the projection of the prior mean, as published: for video.
+  kFull  ///< All of the posterior's interval, with several hypotheses per pixel: for photographs.
+};
+
+/// Every number of the method, with its symbol in [VH11] where it has one. Lengths along the line
+/// are in pixels of the current image; nothing depends on the scene's unit.
+struct Options {
+  // --- The pool, [VH11] Algorithm 1
+  // -------------------------------------------------------------------
+  /// M, the number of seeds that are kept alive.
+  int max_seeds = 250'000;
+  /// Distance between neighbouring seeds of one frame [px].
+  int seed_spacing_px = 1;
+  /// A pixel is given a seed only if no live seed and no point that was seen from a similar
+  /// direction projects within this many pixels of it; -1 plants everywhere. [VH11] does not say.
+  int cover_radius_px = 1;
+  /// Points seen from directions further apart than this do not cover each other [degrees].
+  float cover_angle_deg = 50;
+  /// Least standard deviation of a patch's grey levels to be worth a seed.
+  float min_patch_stddev = 3;
+
+  // --- The prior, [VH11] Sec. 4.2
+  // ---------------------------------------------------------------------
+  float prior_a = 10;  ///< a_0
+  float prior_b = 10;  ///< b_0
+  DepthCoordinate coordinate = DepthCoordinate::kInverseDepth;
+
+  // --- The search, [VH11] Sec. 4.2
+  // --------------------------------------------------------------------
+  Search search = Search::kAuto;
+  /// w, the least radius of the search window [px].
+  float search_radius_px = 3;
+  /// The window grows to this many standard deviations of the posterior ...
+  float search_sigmas = 2.5F;
+  /// ... but not beyond this radius [px].
+  float search_radius_max_px = 8;
+  /// Least NCC score of a match; -1 accepts any local maximum, as published.
+  float min_ncc = 0.6F;
+  /// A second local maximum scoring within this of the best makes the frame tell nothing; 0: never.
+  float ambiguity_ncc = 0.05F;
+  /// Posterior's extent [-2 sigma, 2 sigma] projected [px] below which a frame can tell nothing.
+  float min_parallax_px = 1;
+  /// Rotation and scale between the patches beyond which the sampling grid follows them; 0: never.
+  float warp_roll_deg = 8;
+  float warp_scale = 1.15F;
+
+  // --- The measurement, [VH11] Sec. 3
+  // -----------------------------------------------------------------
+  /// tau, the standard deviation of a good match [px].
+  float measurement_sigma_px = 0.5F;
+  /// Standard deviation of the image noise [grey levels], which adds to tau where the patch has
+  /// little gradient along the line; 0: tau is the same for all, as published.
+  float image_noise = 2;
+  /// tau beyond which a match tells nothing, because the patch is flat along the line [px].
+  float max_measurement_sigma_px = 1.5F;
+  OutlierDensity outlier_density = OutlierDensity::kWindow;
+
+  // --- The end of a seed, [VH11] Sec. 4.3
+  // -------------------------------------------------------------
+  float eta_outlier = 0.05F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
+  float outlier_certainty = 0.99F;  ///< ... this.
+  float eta_inlier = 0.6F;          ///< Converted when the mean inlier ratio exceeds this, and ...
+  /// ... epsilon: the standard deviation of depth is below this fraction of Z_max - Z_min, or ...
+  float epsilon_range = 0;
+  /// ... below this many pixels' width at that depth (Z / f). At least one of the two must be
+  /// positive.
+  float epsilon_px = 0.6F;
+  /// Fewest measurements that agreed.
+  int min_views = 5;
+  /// Frames that told something, after which a seed that has not converged is given up; 0: never.
+  int max_age = 150;
+  /// Consecutive frames out of view after which a seed is given up; 0: never.
+  int max_unseen = 15;
+
+  /// Worker threads; 0: all cores. Results do not depend on it.
+  int threads = 0;
+
+  /// @throws std::invalid_argument naming the option and its value.
+  void Check() const;
+};
+
+/// Algorithm 1 and its constants as published. Where the text leaves a choice: the variance
+/// threshold "1/10,000th of the bounding volume size" is read as a variance in units of that size
+/// squared, that is sigma < range / 100, the only reading under which seeds converge in tenths of a
+/// second as reported; the sub-pixel position of a maximum is the parabola's, as here in all
+/// presets.
+Options PaperOptions();
+
+/// Our own choices; the reasons are in docs/algorithm.md.
+Options DefaultOptions();
+
+/// "paper" or "default". @throws std::invalid_argument for any other name.
+Options OptionsFromPreset(const std::string& name);
+
+}  // namespace livemvs

@@ -1,0 +1,127 @@
+#include "livemvs/pipeline/reconstructor.h"
+
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+namespace livemvs {
+namespace {
+
+// New seeds are planted once this share of the pool is free: planting looks at the whole picture.
+constexpr double kFreeShare = 0.004;
+
+class StageTimer {
+ public:
+  explicit StageTimer(double* seconds) : seconds_(seconds), start_(Clock::now()) {}
+  ~StageTimer() { *seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double* seconds_;
+  Clock::time_point start_;
+};
+
+const Options& Checked(const Options& options) {
+  options.Check();
+  return options;
+}
+
+}  // namespace
+
+Reconstructor::Reconstructor(const Options& options, const SceneRange& range)
+    : options_(Checked(options)),
+      pool_(static_cast<std::size_t>(options.max_seeds)),
+      spawner_(options, range),
+      backend_(MakeCpuBackend(options)) {}
+
+std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
+  if (frame.picture->width() != frame.camera.width ||
+      frame.picture->height() != frame.camera.height) {
+    throw std::invalid_argument(frame.name + ": the picture is not of the size of its camera");
+  }
+  const std::size_t points_before = points_.size();
+  // [VH11] Algorithm 1. Steps 2 to 4 come first: a seed tells nothing in the frame it was born in.
+  UpdateSeeds(frame);   // step 2: project, match, fuse
+  CollectSeeds(frame);  // steps 3 and 4: remove outliers, convert what has converged
+  SpawnSeeds(frame);    // step 1: if S < M, M - S new seeds
+  ++statistics_.frames;
+  return std::span<const Point>(points_).subspan(points_before);
+}
+
+void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
+  const StageTimer timer(&statistics_.update_seconds);
+  groups_.clear();
+  for (const ReferenceFrame& reference : pool_.references()) {
+    groups_.push_back(
+        {reference.begin,
+         reference.end,
+         MakeRelativeView<float>(
+             reference.camera, reference.cam_from_world, frame.camera, frame.cam_from_world),
+         static_cast<float>(1 / std::sqrt(std::abs(reference.camera.fx * reference.camera.fy)))});
+  }
+  statistics_.updates +=
+      backend_->Update(pool_.columns(), groups_, frame.camera.model, frame.picture->grey.view());
+}
+
+void Reconstructor::CollectSeeds(const PosedFrame& frame) {
+  const StageTimer timer(&statistics_.collect_seconds);
+  for (const ReferenceFrame& reference : pool_.references()) {
+    for (std::size_t i = reference.begin; i < reference.end; ++i) {
+      switch (pool_.columns().fate[i]) {
+        case Fate::kAlive:
+        case Fate::kRemoved:
+          continue;
+        case Fate::kConverged:
+          Convert(reference, i, frame);
+          break;
+        case Fate::kOutlier:
+          ++statistics_.rejected_outlier;
+          break;
+        case Fate::kAged:
+          ++statistics_.rejected_aged;
+          break;
+        case Fate::kUnseen:
+          ++statistics_.rejected_unseen;
+          break;
+        case Fate::kLeftInterval:
+          ++statistics_.rejected_left_interval;
+          break;
+      }
+      pool_.Remove(i);
+    }
+  }
+  pool_.Compact();
+}
+
+void Reconstructor::Convert(const ReferenceFrame& reference,
+                            std::size_t i,
+                            const PosedFrame& frame) {
+  const SeedColumns& s = pool_.columns();
+  const Eigen::Vector3d bearing = Eigen::Vector3d(s.bearing_x[i], s.bearing_y[i], 1).normalized();
+  const DepthEstimate<float> z =
+      DepthOf<float>(options_.coordinate, {s.c0[i], s.c1[i]}, s.mu[i], s.sigma2[i]);
+  const Rigid3d world_from_ref = reference.cam_from_world.Inverse();
+  const Eigen::Vector3d position = world_from_ref * (bearing * static_cast<double>(z.depth));
+  const Eigen::Vector3d in_cur = frame.cam_from_world * position;
+  Point point;
+  point.position = position.cast<float>();
+  point.normal = -(world_from_ref.rotation * bearing).cast<float>();
+  point.sigma = z.sigma;
+  point.inlier_ratio = s.a[i] / (s.a[i] + s.b[i]);
+  point.views = s.counts[i].views;
+  const auto pixel = Projector(frame.camera).Project(in_cur);
+  if (pixel && frame.camera.Contains(*pixel)) {
+    point.color = frame.picture->ColorAt(static_cast<int>(std::lround(pixel->x())),
+                                         static_cast<int>(std::lround(pixel->y())));
+  }
+  points_.push_back(point);
+  ++statistics_.seeds_converged;
+}
+
+void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
+  const StageTimer timer(&statistics_.spawn_seconds);
+  if (static_cast<double>(pool_.free_slots()) < kFreeShare * options_.max_seeds) return;
+  statistics_.seeds_spawned += spawner_.Spawn(frame, points_, &pool_);
+}
+
+}  // namespace livemvs

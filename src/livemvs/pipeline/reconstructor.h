@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "livemvs/backend/backend.h"
+#include "livemvs/core/frame.h"
+#include "livemvs/core/options.h"
+#include "livemvs/core/point.h"
+#include "livemvs/pipeline/scene_range.h"
+#include "livemvs/pipeline/seed_pool.h"
+#include "livemvs/pipeline/spawner.h"
+
+namespace livemvs {
+
+/// What became of the seeds and where the time went, since the start.
+struct ReconstructionStatistics {
+  std::int64_t frames = 0;
+  std::int64_t seeds_spawned = 0;
+  std::int64_t seeds_converged = 0;
+  std::int64_t rejected_outlier = 0;        ///< Inlier ratio too low with certainty.
+  std::int64_t rejected_aged = 0;           ///< Not converged in time.
+  std::int64_t rejected_unseen = 0;         ///< Out of view for too long.
+  std::int64_t rejected_left_interval = 0;  ///< Wandered off the range.
+  UpdateStatistics updates;
+  double spawn_seconds = 0;
+  double update_seconds = 0;
+  double collect_seconds = 0;
+};
+
+/// Algorithm 1 of [VH11]: a pool of seeds that every posed frame updates, and the points they turn
+/// into. Independent of where frames, poses and viewers are. The result does not depend on the
+/// number of threads. Not thread-safe.
+class Reconstructor {
+ public:
+  /// @throws std::invalid_argument naming the option that is out of its range.
+  Reconstructor(const Options& options, const SceneRange& range);
+
+  /// Runs Algorithm 1 on one frame and returns the points that converged in it; valid until the
+  /// next call.
+  /// @throws std::invalid_argument where the picture's size is not its camera's.
+  std::span<const Point> AddFrame(const PosedFrame& frame);
+
+  /// All points so far; normals are directions towards the camera that planted the seed.
+  const PointCloud& points() const { return points_; }
+  std::size_t live_seeds() const { return pool_.size(); }
+  const ReconstructionStatistics& statistics() const { return statistics_; }
+  std::string backend_name() const { return backend_->name(); }
+
+ private:
+  void SpawnSeeds(const PosedFrame& frame);
+  void UpdateSeeds(const PosedFrame& frame);
+  void CollectSeeds(const PosedFrame& frame);
+  void Convert(const ReferenceFrame& reference, std::size_t i, const PosedFrame& frame);
+
+  Options options_;
+  SeedPool pool_;
+  Spawner spawner_;
+  std::unique_ptr<Backend> backend_;
+  PointCloud points_;
+  ReconstructionStatistics statistics_;
+  std::vector<SeedGroup> groups_;
+};
+
+}  // namespace livemvs

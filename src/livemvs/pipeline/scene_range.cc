@@ -1,0 +1,172 @@
+#include "livemvs/pipeline/scene_range.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "livemvs/core/error.h"
+
+namespace livemvs {
+namespace {
+
+double Percentile(std::vector<double>& values, double fraction) {
+  const auto n = static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
+  return values[n];
+}
+
+double MedianBaseline(const std::vector<CameraPose>& cameras) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    steps.push_back(
+        (cameras[i].cam_from_world.Center() - cameras[i - 1].cam_from_world.Center()).norm());
+  }
+  return steps.empty() ? 0 : Percentile(steps, 0.5);
+}
+
+// The diagonal of the box round the camera centres.
+double PathExtent(const std::vector<CameraPose>& cameras) {
+  Eigen::AlignedBox3d box;
+  for (const CameraPose& c : cameras) box.extend(c.cam_from_world.Center());
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+std::optional<SceneRange> RangeOfSparsePoints(const std::vector<CameraPose>& cameras,
+                                              const std::vector<Eigen::Vector3d>& points) {
+  constexpr std::size_t kEnough = 20;
+  std::vector<double> depths;
+  const std::size_t camera_step = cameras.size() / 50 + 1;
+  const std::size_t point_step = points.size() / 5000 + 1;
+  for (std::size_t i = 0; i < cameras.size(); i += camera_step) {
+    const Projector projector(cameras[i].camera);
+    for (std::size_t j = 0; j < points.size(); j += point_step) {
+      const Eigen::Vector3d p = cameras[i].cam_from_world * points[j];
+      const auto pixel = projector.Project(p);
+      if (pixel && cameras[i].camera.Contains(*pixel)) depths.push_back(p.z());
+    }
+  }
+  if (depths.size() < kEnough) return std::nullopt;
+  SceneRange range;
+  // The sparse points are the textured surface; leave room for what lies between and behind them.
+  range.near = 0.75 * Percentile(depths, 0.01);
+  range.far = 1.35 * Percentile(depths, 0.98);
+  range.origin = "from the data set's sparse points";
+  return range;
+}
+
+// The point nearest to all optical axes, or nothing where the axes are close to parallel.
+std::optional<Eigen::Vector3d> LookAtPoint(const std::vector<CameraPose>& cameras) {
+  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  for (const CameraPose& c : cameras) {
+    const Eigen::Vector3d axis = c.cam_from_world.rotation.row(2).transpose();
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
+    m += across;
+    v += across * c.cam_from_world.Center();
+  }
+  m /= static_cast<double>(cameras.size());
+  v /= static_cast<double>(cameras.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(m);
+  constexpr double kParallel = 0.004;  // sin² of the axes' spread: about 4 degrees
+  if (eigen.eigenvalues()[0] < kParallel) return std::nullopt;
+  return Eigen::Vector3d(m.ldlt().solve(v));
+}
+
+std::optional<SceneRange> RangeOfCommonRegion(const std::vector<CameraPose>& cameras) {
+  const auto target = LookAtPoint(cameras);
+  if (!target) return std::nullopt;
+  std::vector<double> depths;
+  for (const CameraPose& c : cameras) {
+    const Eigen::Vector3d p = c.cam_from_world * *target;
+    const double sideways = std::hypot(p.x(), p.y());
+    if (p.z() > 0 && sideways < 0.5 * p.z()) depths.push_back(p.z());
+  }
+  // Most cameras must look at it, from farther away than they themselves spread by accident.
+  if (depths.size() < cameras.size() * 7 / 10) return std::nullopt;
+  SceneRange range;
+  range.near = 0.5 * Percentile(depths, 0.05);
+  range.far = 1.7 * Percentile(depths, 0.95);
+  range.origin = "the region that the cameras look at";
+  return range;
+}
+
+}  // namespace
+
+void SceneRange::Check() const {
+  if (box && !((box->min.array() < box->max.array()).all() && box->min.allFinite() &&
+               box->max.allFinite())) {
+    throw std::invalid_argument(
+        "the box is empty or not finite; --box takes x0 y0 z0 x1 y1 z1 with "
+        "x0 < x1, y0 < y1, z0 < z1");
+  }
+  if (!(near > 0 && near < far && std::isfinite(far))) {
+    throw std::invalid_argument("the depth range " + std::to_string(near) + " ... " +
+                                std::to_string(far) +
+                                " is empty; --near and --far must be positive "
+                                "and near less than far");
+  }
+}
+
+std::optional<std::pair<double, double>> SceneRange::Along(const Eigen::Vector3d& center,
+                                                           const Eigen::Vector3d& direction,
+                                                           double cosine) const {
+  double lo = near / cosine;
+  double hi = far / cosine;
+  if (box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = direction[axis];
+      if (std::abs(d) < 1e-12) {
+        if (center[axis] < box->min[axis] || center[axis] > box->max[axis]) return std::nullopt;
+        continue;
+      }
+      const double s0 = (box->min[axis] - center[axis]) / d;
+      const double s1 = (box->max[axis] - center[axis]) / d;
+      lo = std::max(lo, std::min(s0, s1));
+      hi = std::min(hi, std::max(s0, s1));
+    }
+  }
+  if (!(lo < hi)) return std::nullopt;
+  return std::pair(lo, hi);
+}
+
+SceneRange RangeOfBox(const Box& box, const std::vector<CameraPose>& cameras) {
+  SceneRange range;
+  range.box = box;
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+  for (const CameraPose& c : cameras) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d p(corner & 1 ? box.max.x() : box.min.x(),
+                              corner & 2 ? box.max.y() : box.min.y(),
+                              corner & 4 ? box.max.z() : box.min.z());
+      const double z = (c.cam_from_world * p).z();
+      nearest = std::min(nearest, z);
+      farthest = std::max(farthest, z);
+    }
+  }
+  if (!(farthest > 0)) throw BadInput("no camera looks at the box; check --box and the poses");
+  range.far = farthest * 1.01;
+  // Cameras inside or beside the box: anything from a hundredth of its depth on.
+  range.near = std::max(nearest * 0.99, 0.01 * range.far);
+  range.origin = "the box";
+  return range;
+}
+
+SceneRange DeriveRange(const std::vector<CameraPose>& cameras,
+                       const std::vector<Eigen::Vector3d>& sparse_points) {
+  if (const auto range = RangeOfSparsePoints(cameras, sparse_points)) return *range;
+  const double extent = PathExtent(cameras);
+  if (!(extent > 0)) {
+    throw BadInput("the cameras do not move, so depth cannot be seen; check the poses");
+  }
+  if (const auto range = RangeOfCommonRegion(cameras)) return *range;
+  SceneRange range;
+  // A walk: what can be measured lies between a few steps and some lengths of the path.
+  range.near = std::max(0.15 * extent, 5 * MedianBaseline(cameras));
+  range.far = std::max(3 * extent, 4 * range.near);
+  range.origin = "the length of the camera's path";
+  return range;
+}
+
+}  // namespace livemvs

@@ -1,0 +1,219 @@
+#include "livemvs/pipeline/spawner.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+namespace livemvs {
+namespace {
+
+// Seeds keep this far from the border, so that their patch and its gradient lie in the picture.
+constexpr int kBorder = kPatchRadius + 1;
+
+// Intervals shorter than this fraction of the depth hold nothing worth finding.
+constexpr double kShortestInterval = 0.01;
+
+// 99 % of a normal distribution lie within this many standard deviations: the prior's width,
+// Sec. 4.2.
+constexpr float kSigmas99 = 2.5758F;
+
+// Order in which the pixels of a 4 x 4 cell are taken (Bayer): any number of the first phases is
+// even.
+constexpr int kPhases = 16;
+constexpr std::array<std::uint8_t, kPhases> kPhaseOfCell = {
+    0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+
+// Moments of a column of kPatchSize pixels.
+struct ColumnSums {
+  std::vector<std::int32_t> sum, squares;
+};
+
+void SumColumns(const ImageView<std::uint8_t>& grey, int y, ColumnSums* columns) {
+  std::fill(columns->sum.begin(), columns->sum.end(), 0);
+  std::fill(columns->squares.begin(), columns->squares.end(), 0);
+  for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) {
+    const std::uint8_t* row = grey.Row(y + dy);
+    for (int x = 0; x < grey.width; ++x) {
+      columns->sum[x] += row[x];
+      columns->squares[x] += row[x] * row[x];
+    }
+  }
+}
+
+}  // namespace
+
+Spawner::Spawner(const Options& options, const SceneRange& range)
+    : options_(options), range_(range) {
+  range_.Check();
+}
+
+std::int64_t Spawner::Spawn(const PosedFrame& frame, const PointCloud& points, SeedPool* pool) {
+  const Image<std::uint8_t>& grey = frame.picture->grey;
+  if (covered_.width() != grey.width() || covered_.height() != grey.height()) {
+    covered_ = Image<std::uint8_t>(grey.width(), grey.height());
+    candidate_ = Image<std::uint8_t>(grey.width(), grey.height());
+  }
+  for (int y = 0; y < grey.height(); ++y) std::memset(covered_.Row(y), 0, grey.width());
+  if (options_.cover_radius_px >= 0) {
+    CoverBySeeds(frame, *pool);
+    CoverByPoints(frame, points);
+  }
+  FindCandidates(grey.view());
+  return Plant(frame, pool->free_slots(), pool);
+}
+
+void Spawner::Stamp(float x, float y) {
+  const int radius = options_.cover_radius_px;
+  const int cx = static_cast<int>(std::lround(x)), cy = static_cast<int>(std::lround(y));
+  const int x0 = std::max(cx - radius, 0), x1 = std::min(cx + radius, covered_.width() - 1);
+  const int y0 = std::max(cy - radius, 0), y1 = std::min(cy + radius, covered_.height() - 1);
+  for (int v = y0; v <= y1; ++v) {
+    for (int u = x0; u <= x1; ++u) {
+      std::atomic_ref<std::uint8_t>(covered_(u, v)).store(1, std::memory_order_relaxed);
+    }
+  }
+}
+
+void Spawner::CoverBySeeds(const PosedFrame& frame, const SeedPool& pool) {
+  const SeedColumns& s = pool.columns();
+  for (const ReferenceFrame& reference : pool.references()) {
+    const RelativeView<float> view = MakeRelativeView<float>(
+        reference.camera, reference.cam_from_world, frame.camera, frame.cam_from_world);
+    VisitModel(frame.camera.model, [&](auto model) {
+      tbb::parallel_for(tbb::blocked_range(reference.begin, reference.end), [&](const auto& block) {
+        for (std::size_t i = block.begin(); i < block.end(); ++i) {
+          if (s.fate[i] != Fate::kAlive) continue;
+          const auto p = ProjectSeed<decltype(model)>(view,
+                                                      options_.coordinate,
+                                                      {s.c0[i], s.c1[i]},
+                                                      s.bearing_x[i],
+                                                      s.bearing_y[i],
+                                                      s.mu[i]);
+          if (p.visible && p.x >= 0 && p.y >= 0 && p.x < view.width && p.y < view.height) {
+            Stamp(p.x, p.y);
+          }
+        }
+      });
+    });
+  }
+}
+
+void Spawner::CoverByPoints(const PosedFrame& frame, const PointCloud& points) {
+  const CameraParams<float> camera = MakeCameraParams<float>(frame.camera);
+  const Eigen::Matrix3f rotation = frame.cam_from_world.rotation.cast<float>();
+  const Eigen::Vector3f translation = frame.cam_from_world.translation.cast<float>();
+  const Eigen::Vector3f center = frame.cam_from_world.Center().cast<float>();
+  const float min_cosine = std::cos(options_.cover_angle_deg * static_cast<float>(M_PI / 180));
+  const auto width = static_cast<float>(frame.camera.width);
+  const auto height = static_cast<float>(frame.camera.height);
+  VisitModel(frame.camera.model, [&](auto model) {
+    tbb::parallel_for(tbb::blocked_range(std::size_t{0}, points.size()), [&](const auto& block) {
+      for (std::size_t i = block.begin(); i < block.end(); ++i) {
+        const Eigen::Vector3f p = rotation * points[i].position + translation;
+        if (!(p.z() > 0)) continue;
+        const float x = p.x() / p.z(), y = p.y() / p.z();
+        if (!(x * x + y * y <= camera.r2_max)) continue;
+        const auto distorted = decltype(model)::Distort(camera.k, x, y);
+        const float u = camera.fx * distorted.x + camera.cx;
+        const float v = camera.fy * distorted.y + camera.cy;
+        if (!(u >= 0 && v >= 0 && u < width && v < height)) continue;
+        // The back of an object does not cover its front: compare the directions of view.
+        const Eigen::Vector3f to_camera = (center - points[i].position).normalized();
+        if (to_camera.dot(points[i].normal) > min_cosine) Stamp(u, v);
+      }
+    });
+  });
+}
+
+void Spawner::FindCandidates(const ImageView<std::uint8_t>& grey) {
+  constexpr float kPixels = kPatchPixels;
+  // n² var = n Σv² - (Σv)², in integers.
+  const auto least = static_cast<std::int32_t>(options_.min_patch_stddev *
+                                               options_.min_patch_stddev * kPixels * kPixels);
+  tbb::parallel_for(tbb::blocked_range(kBorder, std::max(kBorder, grey.height - kBorder), 32),
+                    [&](const tbb::blocked_range<int>& rows) {
+                      ColumnSums columns{std::vector<std::int32_t>(grey.width),
+                                         std::vector<std::int32_t>(grey.width)};
+                      for (int y = rows.begin(); y < rows.end(); ++y) {
+                        std::memset(candidate_.Row(y), 0, grey.width);
+                        if (y % options_.seed_spacing_px != 0) continue;
+                        SumColumns(grey, y, &columns);
+                        for (int x = kBorder; x < grey.width - kBorder; x += 1) {
+                          if (x % options_.seed_spacing_px != 0 || covered_(x, y)) continue;
+                          std::int32_t sum = 0, squares = 0;
+                          for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
+                            sum += columns.sum[x + dx];
+                            squares += columns.squares[x + dx];
+                          }
+                          if (kPatchPixels * squares - sum * sum < least) continue;
+                          const int cell_x = x / options_.seed_spacing_px % 4,
+                                    cell_y = y / options_.seed_spacing_px % 4;
+                          candidate_(x, y) =
+                              static_cast<std::uint8_t>(1 + kPhaseOfCell[4 * cell_y + cell_x]);
+                        }
+                      }
+                    });
+}
+
+std::int64_t Spawner::Plant(const PosedFrame& frame, std::size_t slots, SeedPool* pool) {
+  const int width = frame.picture->width(), height = frame.picture->height();
+  std::array<std::size_t, kPhases> count{};
+  for (int y = kBorder; y < height - kBorder; ++y) {
+    for (int x = kBorder; x < width - kBorder; ++x) {
+      if (candidate_(x, y) > 0) ++count[candidate_(x, y) - 1];
+    }
+  }
+  // Whole phases as far as they fit; of the next, an even share.
+  int full = 0;
+  std::size_t left = slots;
+  while (full < kPhases && count[full] <= left) left -= count[full++];
+  const std::size_t share_of = full < kPhases ? count[full] : 1;
+  std::size_t carry = 0;
+  const Projector projector(frame.camera);
+  pool->BeginReference(frame.index, frame.camera, frame.cam_from_world);
+  std::int64_t planted = 0;
+  for (int y = kBorder; y < height - kBorder; ++y) {
+    for (int x = kBorder; x < width - kBorder; ++x) {
+      const int phase = candidate_(x, y) - 1;
+      if (phase < 0 || phase > full) continue;
+      if (phase == full) {
+        carry += left;
+        if (carry < share_of) continue;
+        carry -= share_of;
+      }
+      planted += PlantOne(frame, projector, x, y, pool);
+    }
+  }
+  return planted;
+}
+
+bool Spawner::PlantOne(
+    const PosedFrame& frame, const Projector& projector, int x, int y, SeedPool* pool) {
+  const auto ray = projector.Unproject({x, y});
+  if (!ray) return false;
+  const double norm = ray->norm();
+  const Eigen::Vector3d direction = frame.cam_from_world.rotation.transpose() * (*ray / norm);
+  const auto depths = range_.Along(frame.cam_from_world.Center(), direction, 1 / norm);
+  if (!depths || depths->second - depths->first < kShortestInterval * depths->second) return false;
+  NewSeed seed;
+  if (options_.coordinate == DepthCoordinate::kDepth) {
+    seed.interval = {static_cast<float>(depths->first), static_cast<float>(depths->second)};
+  } else {
+    seed.interval = {static_cast<float>(1 / depths->first), static_cast<float>(1 / depths->second)};
+  }
+  seed.bearing_x = static_cast<float>(ray->x());
+  seed.bearing_y = static_cast<float>(ray->y());
+  const Image<std::uint8_t>& grey = frame.picture->grey;
+  seed.patch = &grey(x, y);
+  seed.stride = grey.stride();
+  constexpr float kSigma = 0.5F / kSigmas99;
+  pool->Add(seed, {0.5F, kSigma * kSigma, options_.prior_a, options_.prior_b});
+  return true;
+}
+
+}  // namespace livemvs
