@@ -1,0 +1,209 @@
+#include "livemvs/synth/scene.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "livemvs/synth/ray_caster.h"
+#include "livemvs/synth/scene_builders.h"
+
+namespace livemvs {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int kSkyRays = 96;
+constexpr int kLampRays = 24;
+constexpr float kGroundBrightness = 0.4f;   // of light from below, relative to that from above
+constexpr float kShadowBrightness = 0.25f;  // of surfaces that hide the sky: light between them
+const Vector3f kSkyColor(0.93f, 0.98f, 1.08f);
+const Vector3f kLampColor(1.08f, 1.0f, 0.86f);
+
+// Directions spread evenly over the sphere. The same everywhere, so that light is free of noise.
+std::array<Vector3f, kSkyRays> SkyDirections() {
+  std::array<Vector3f, kSkyRays> directions;
+  for (int i = 0; i < kSkyRays; ++i) {
+    const double z = 1 - (2.0 * i + 1) / kSkyRays;
+    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double r = std::sqrt(1 - z * z);
+    directions[i] = Vector3d(r * std::cos(angle), r * std::sin(angle), z).cast<float>();
+  }
+  return directions;
+}
+
+// Points spread evenly over a disc of radius 1, facing down.
+std::array<Vector3f, kLampRays> LampPoints() {
+  std::array<Vector3f, kLampRays> points;
+  for (int i = 0; i < kLampRays; ++i) {
+    const double r = std::sqrt((i + 0.5) / kLampRays);
+    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    points[i] = Vector3d(r * std::cos(angle), r * std::sin(angle), 0).cast<float>();
+  }
+  return points;
+}
+
+// Place of grid point (i, j), j <= steps, in the points of a face: rows get shorter upwards.
+std::size_t GridIndex(int steps, int i, int j) {
+  return static_cast<std::size_t>(j) * (steps + 1) - static_cast<std::size_t>(j) * (j - 1) / 2 + i;
+}
+
+// Light at one point: (sky, lamp) reflected by a white surface.
+Vector2f LightAtPoint(const synth::SceneDescription& scene,
+                      const synth::RayCaster& caster,
+                      const Vector3f& point,
+                      const Vector3f& normal) {
+  static const auto sky_directions = SkyDirections();
+  static const auto lamp_points = LampPoints();
+  const Vector3f origin = point + normal * (0.02f * scene.light_spacing);
+  float sky = 0.f;
+  for (const Vector3f& direction : sky_directions) {
+    const float cosine = direction.dot(normal);
+    if (cosine <= 0.f) continue;
+    const bool hidden = caster.Occluded(origin, direction, scene.sky_distance);
+    sky += cosine * (hidden ? kShadowBrightness : direction.z() > 0.f ? 1.f : kGroundBrightness);
+  }
+  const float distance2_at_origin = scene.lamp.squaredNorm();
+  float lamp = 0.f;
+  for (const Vector3f& on_disc : lamp_points) {
+    const Vector3f to_lamp = scene.lamp + scene.lamp_radius * on_disc - origin;
+    const float cosine = to_lamp.normalized().dot(normal);
+    if (cosine <= 0.f || caster.Occluded(origin, to_lamp, 0.999f)) continue;
+    lamp += cosine * distance2_at_origin / to_lamp.squaredNorm();
+  }
+  return {scene.sky_power * 4.f * sky / kSkyRays, scene.lamp_power * lamp / kLampRays};
+}
+
+}  // namespace
+
+void SceneOptions::Check() const {
+  if (!synth::HasScene(name)) {
+    throw std::invalid_argument("scene \"" + name + "\": unknown; choose from " +
+                                synth::SceneNames());
+  }
+}
+
+SyntheticScene::SyntheticScene(const SceneOptions& options) {
+  options.Check();
+  description_ = synth::DescribeScene(options.name, options.seed);
+  caster_ = std::make_unique<synth::RayCaster>(description_.mesh);
+  ComputeLight();
+}
+
+SyntheticScene::~SyntheticScene() = default;
+SyntheticScene::SyntheticScene(SyntheticScene&&) noexcept = default;
+SyntheticScene& SyntheticScene::operator=(SyntheticScene&&) noexcept = default;
+
+void SyntheticScene::ComputeLight() {
+  constexpr int kMaxSteps = 400;
+  const synth::SceneMesh& mesh = description_.mesh;
+  grids_.resize(mesh.faces.size());
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const auto& p = mesh.positions;
+    const Eigen::Vector3i& c = mesh.faces[f];
+    const float longest = std::max(
+        {(p[c[0]] - p[c[1]]).norm(), (p[c[1]] - p[c[2]]).norm(), (p[c[2]] - p[c[0]]).norm()});
+    const int steps =
+        std::clamp(static_cast<int>(std::ceil(longest / description_.light_spacing)), 1, kMaxSteps);
+    grids_[f] = {count, steps};
+    count += static_cast<std::size_t>(steps + 1) * (steps + 2) / 2;
+  }
+  light_.resize(count);
+  tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t f) {
+    const Eigen::Vector3i& c = mesh.faces[f];
+    const int steps = grids_[f].steps;
+    for (int j = 0; j <= steps; ++j) {
+      for (int i = 0; i + j <= steps; ++i) {
+        const float u = static_cast<float>(i) / static_cast<float>(steps);
+        const float v = static_cast<float>(j) / static_cast<float>(steps);
+        const auto blend = [&](const std::vector<Vector3f>& of) -> Vector3f {
+          return (1.f - u - v) * of[c[0]] + u * of[c[1]] + v * of[c[2]];
+        };
+        light_[grids_[f].first + GridIndex(steps, i, j)] = LightAtPoint(
+            description_, *caster_, blend(mesh.positions), blend(mesh.normals).normalized());
+      }
+    }
+  });
+}
+
+bool SyntheticScene::Intersect(const Vector3d& origin, const Vector3d& direction, Hit* hit) const {
+  synth::RayCaster::Hit found;
+  if (!caster_->Intersect(origin.cast<float>(), direction.cast<float>(), &found)) return false;
+  // The distance again in double: in float it is wrong by 1e-7 of the scene's size.
+  const synth::SceneMesh& mesh = description_.mesh;
+  const Eigen::Vector3i& c = mesh.faces[found.face];
+  const Vector3d a = mesh.positions[c[0]].cast<double>();
+  const Vector3d normal =
+      (mesh.positions[c[1]].cast<double>() - a).cross(mesh.positions[c[2]].cast<double>() - a);
+  const double slope = normal.dot(direction);
+  const double distance = slope != 0 ? normal.dot(a - origin) / slope : found.distance;
+  *hit = {distance, found.face, found.u, found.v};
+  return true;
+}
+
+Vector2f SyntheticScene::LightAt(const Hit& hit) const {
+  const LightGrid& grid = grids_[hit.face];
+  const float last = static_cast<float>(grid.steps);
+  const float x = std::clamp(hit.u * last, 0.f, last);
+  const float y = std::clamp(hit.v * last, 0.f, last - x);
+  const int i = std::min(static_cast<int>(x), grid.steps - 1);
+  const int j = std::min(static_cast<int>(y), grid.steps - 1 - i);
+  const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+  const auto at = [&](int ii, int jj) {
+    return light_[grid.first + GridIndex(grid.steps, ii, jj)];
+  };
+  if (fx + fy <= 1.f || i + j + 2 > grid.steps) {
+    return (1.f - fx - fy) * at(i, j) + fx * at(i + 1, j) + fy * at(i, j + 1);
+  }
+  return (fx + fy - 1.f) * at(i + 1, j + 1) + (1.f - fy) * at(i + 1, j) + (1.f - fx) * at(i, j + 1);
+}
+
+Vector3f SyntheticScene::Radiance(const Hit& hit, float footprint) const {
+  const synth::SceneMesh& mesh = description_.mesh;
+  const Eigen::Vector3i& c = mesh.faces[hit.face];
+  const Vector3f& a = mesh.rest[c[0]];
+  const Vector3f ab = mesh.rest[c[1]] - a, ac = mesh.rest[c[2]] - a;
+  const Vector3f color = synth::Reflectance(description_.materials[mesh.face_materials[hit.face]],
+                                            a + hit.u * ab + hit.v * ac,
+                                            ab.cross(ac).normalized(),
+                                            footprint);
+  const Vector2f light = LightAt(hit);
+  return color.cwiseProduct(light.x() * kSkyColor + light.y() * kLampColor);
+}
+
+Vector3f SyntheticScene::Background(const Vector3f& direction) const {
+  const float height = std::clamp(0.5f + 0.7f * direction.z(), 0.f, 1.f);
+  return description_.background_low +
+         height * (description_.background_high - description_.background_low);
+}
+
+Vector3f SyntheticScene::FaceNormal(int face) const {
+  const auto& p = description_.mesh.positions;
+  const Eigen::Vector3i& c = description_.mesh.faces[face];
+  return (p[c[1]] - p[c[0]]).cross(p[c[2]] - p[c[0]]).normalized();
+}
+
+TriangleMesh SyntheticScene::mesh() const {
+  const synth::SceneMesh& from = description_.mesh;
+  TriangleMesh mesh;
+  mesh.vertices = from.positions;
+  mesh.faces = from.faces;
+  mesh.colors.resize(from.positions.size());
+  for (int f = 0; f < static_cast<int>(from.faces.size()); ++f) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Hit hit{0, f, corner == 1 ? 1.f : 0.f, corner == 2 ? 1.f : 0.f};
+      mesh.colors[from.faces[f][corner]] = synth::ToSrgb(Radiance(hit, 0.002f));
+    }
+  }
+  return mesh;
+}
+
+}  // namespace livemvs

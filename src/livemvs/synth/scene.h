@@ -1,0 +1,99 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "livemvs/core/mesh.h"
+#include "livemvs/core/point.h"
+#include "livemvs/synth/scene_mesh.h"
+#include "livemvs/synth/texture.h"
+
+namespace livemvs {
+
+namespace synth {
+class RayCaster;
+
+/// A scene before its light is computed: what MakeScene's builders fill in.
+struct SceneDescription {
+  SceneMesh mesh;
+  std::vector<Material> materials;
+  Box box;                                       ///< Holds what is to be reconstructed [m].
+  Eigen::Vector3f lamp = {-0.5f, -0.45f, 1.1f};  ///< Centre of the lamp [m].
+  float lamp_radius = 0.15f;                     ///< [m]
+  float lamp_power = 1;
+  float sky_power = 0.6f;        ///< Light from all around ...
+  float sky_distance = 0.5f;     ///< ... is kept off by surfaces nearer than this [m].
+  float light_spacing = 0.004f;  ///< Distance of the points where light is computed [m].
+  Eigen::Vector3f background_low, background_high;  ///< Of rays that hit nothing, linear.
+};
+}  // namespace synth
+
+struct SceneOptions {
+  /// table: still life of six solids on a sheet, 0.4 m across. relief: a carved temple front, 0.3
+  /// m. house: a toy house with a garden, 0.3 m. room: a furnished room to walk in, 5 x 4 m. plane:
+  /// a textured square of 2 x 2 m at z = 0, facing +z.
+  std::string name = "table";
+  std::uint64_t seed = 1;  ///< Of the textures.
+
+  void Check() const;  ///< @throws std::invalid_argument
+};
+
+/// A static world of textured triangles under a fixed light, z up, in metres. Surfaces are
+/// Lambertian and their light is computed once, so that a point looks the same from everywhere.
+/// Rays may be cast from several threads at once. Move-only.
+class SyntheticScene {
+ public:
+  explicit SyntheticScene(const SceneOptions& options);
+  ~SyntheticScene();
+  SyntheticScene(SyntheticScene&&) noexcept;
+  SyntheticScene& operator=(SyntheticScene&&) noexcept;
+
+  /// What a ray meets first.
+  struct Hit {
+    double distance = 0;  ///< In units of the direction's length.
+    int face = -1;
+    float u = 0, v = 0;  ///< Barycentric weights of the face's second and third corner.
+  };
+
+  /// Casts a ray. @return False where it hits nothing.
+  bool Intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit* hit) const;
+
+  /// Light towards every camera from a hit: linear colour, 1 is white.
+  /// @param footprint  Width of a pixel on the surface [m].
+  Eigen::Vector3f Radiance(const Hit& hit, float footprint) const;
+
+  /// Light of a ray that hits nothing. @param direction  Unit, in the world.
+  Eigen::Vector3f Background(const Eigen::Vector3f& direction) const;
+
+  /// Index into materials() of a face.
+  std::uint8_t MaterialOf(int face) const { return description_.mesh.face_materials[face]; }
+  const std::vector<synth::Material>& materials() const { return description_.materials; }
+
+  /// Normal of a face in the world, unit.
+  Eigen::Vector3f FaceNormal(int face) const;
+
+  /// The surfaces as a mesh in the world, coloured at the vertices.
+  TriangleMesh mesh() const;
+
+  /// The region to reconstruct [m].
+  const Box& box() const { return description_.box; }
+
+ private:
+  void ComputeLight();
+  Eigen::Vector2f LightAt(const Hit& hit) const;
+
+  synth::SceneDescription description_;
+  std::unique_ptr<synth::RayCaster> caster_;
+  // Light at a triangular grid of points on each face: (sky, lamp), linearly interpolated.
+  struct LightGrid {
+    std::size_t first;
+    int steps;  // intervals along each edge
+  };
+  std::vector<LightGrid> grids_;
+  std::vector<Eigen::Vector2f> light_;
+};
+
+}  // namespace livemvs

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "livemvs/synth/scene.h"
+
+namespace livemvs::synth {
+
+bool HasScene(const std::string& name);
+
+/// "table, relief, ..." for messages.
+std::string SceneNames();
+
+/// Builds a scene by name, which must exist.
+SceneDescription DescribeScene(const std::string& name, std::uint64_t seed);
+
+/// Adds materials and shapes to a description.
+class SceneWriter {
+ public:
+  SceneWriter(SceneDescription* scene, std::uint64_t seed)
+      : scene_(scene), seed_(seed), builder_(&scene->mesh) {}
+
+  /// Shapes that follow are of this material.
+  void Use(Material material);
+
+  /// Shapes that follow are in a frame at (x, y, z), turned about z [degrees].
+  void Place(double x, double y, double z, double turn_deg);
+
+  MeshBuilder* operator->() { return &builder_; }
+
+ private:
+  SceneDescription* scene_;
+  std::uint64_t seed_;
+  MeshBuilder builder_;
+};
+
+/// A house with gabled roof, chimney, door and windows on the ground z = 0 of the current frame.
+/// @param size  Length, width and height of the walls [m].
+void AddHouse(SceneWriter& writer, const Eigen::Vector3f& size);
+
+void DescribeTable(SceneWriter& writer, SceneDescription* scene);
+void DescribeHouse(SceneWriter& writer, SceneDescription* scene);
+void DescribeRelief(SceneWriter& writer, SceneDescription* scene);
+void DescribeRoom(SceneWriter& writer, SceneDescription* scene);
+void DescribePlane(SceneWriter& writer, SceneDescription* scene);
+
+}  // namespace livemvs::synth

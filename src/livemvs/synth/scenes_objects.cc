@@ -1,0 +1,308 @@
+// The scenes that stand on a table: table, house, relief; and the plane.
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "livemvs/synth/noise.h"
+#include "livemvs/synth/scene_builders.h"
+
+namespace livemvs::synth {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+constexpr float kTwoPi = 2.f * std::numbers::pi_v<float>;
+
+Material WoodMaterial(const char* name, float scale) {
+  return {.name = name,
+          .texture = Texture::kWood,
+          .base = FromSrgb(0xC59A6B),
+          .second = FromSrgb(0x94683F),
+          .accent = FromSrgb(0x4A2E1A),
+          .scale = scale,
+          .contrast = 0.5f};
+}
+
+// A table top of planks under everything, its surface at height z.
+void AddTableTop(SceneWriter& writer, float length, float width, float z) {
+  Material planks = WoodMaterial("table", 0.028f);
+  planks.texture = Texture::kParquet;
+  planks.contrast = 0.45f;
+  writer.Place(0, 0, 0, 0);
+  writer.Use(planks);
+  writer->AddBox({-length / 2, -width / 2, z - 0.03f}, {length / 2, width / 2, z});
+}
+
+// A ring whose thickness varies.
+void AddRing(SceneWriter& writer, float ring_radius, float tube_radius) {
+  writer->AddSurface(
+      [=](float u, float v) {
+        const float around = kTwoPi * (u - std::floor(u));
+        const float tube = kTwoPi * (v - std::floor(v));
+        const float r = tube_radius * (1.f + 0.07f * std::sin(7.f * around) * std::sin(3.f * tube));
+        const float out = ring_radius + r * std::cos(tube);
+        return Vector3f(out * std::cos(around),
+                        out * std::sin(around),
+                        1.05f * tube_radius + r * std::sin(tube));
+      },
+      128,
+      48);
+}
+
+// A pebble: a ball with dents.
+void AddPebble(SceneWriter& writer, float radius) {
+  writer->AddSurface(
+      [=](float u, float v) {
+        const float longitude = kTwoPi * (u - std::floor(u));
+        const float latitude = (v - 0.5f) * 0.5f * kTwoPi;
+        const Vector3f unit(std::cos(latitude) * std::cos(longitude),
+                            std::cos(latitude) * std::sin(longitude),
+                            std::sin(latitude));
+        const float r = radius * (1.f + 0.35f * GradientNoise(1.6f * unit + Vector3f(3, 1, 4)));
+        return Vector3f(unit.x() * 1.25f * r, unit.y() * r, 0.75f * radius + 0.8f * r * unit.z());
+      },
+      96,
+      48);
+}
+
+}  // namespace
+
+void AddHouse(SceneWriter& writer, const Vector3f& size) {
+  const float x = size.x() / 2, y = size.y() / 2, z = size.z();
+  const float roof = 0.75f * y;        // height of the ridge above the walls
+  const float eave = 0.18f * y;        // how far the roof stands out
+  const float drop = eave * roof / y;  // and hangs down
+  writer.Use({.name = "house walls",
+              .texture = Texture::kBrick,
+              .base = FromSrgb(0xA8553A),
+              .second = FromSrgb(0xC98D66),
+              .accent = FromSrgb(0xD9D2C3),
+              .scale = 0.09f * z,
+              .contrast = 0.45f,
+              .repetitive = true});
+  writer->AddBox({-x, -y, 0}, {x, y, z});
+  writer->AddGable({-x, -y, z}, {x, y, z + roof});
+  writer->AddBox({0.35f * x, 0.2f * y, z}, {0.6f * x, 0.5f * y, z + 1.15f * roof});
+  writer.Use({.name = "house roof",
+              .texture = Texture::kTiles,
+              .base = FromSrgb(0x59616E),
+              .second = FromSrgb(0x8C8F94),
+              .scale = 0.14f * z,
+              .contrast = 0.4f,
+              .repetitive = true});
+  const float lift = 0.03f * z, over = 0.08f * x;
+  writer->AddGable({-x - over, -y - eave, z - drop + lift}, {x + over, y + eave, z + roof + lift});
+  writer.Use(WoodMaterial("house woodwork", 0.08f * z));
+  const float out = 0.012f * z;
+  writer->AddBox({-0.16f * x, -y - out, 0}, {0.2f * x, -y, 0.58f * z});
+  for (const float side : {-1.f, 1.f}) {
+    writer->AddBox({(0.6f + 0.02f * side) * x * side - 0.15f * x, -y - out, 0.38f * z},
+                   {(0.6f + 0.02f * side) * x * side + 0.15f * x, -y, 0.72f * z});
+    const Vector3f low(side > 0 ? x : -x - out, -0.25f * y, 0.35f * z);
+    writer->AddBox(low, low + Vector3f(out, 0.5f * y, 0.36f * z));
+  }
+}
+
+void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
+  scene->box = {{-0.21, -0.15, -0.005}, {0.21, 0.15, 0.2}};
+  AddTableTop(writer, 1.0f, 0.8f, -0.004f);
+  writer.Use({.name = "sheet",
+              .texture = Texture::kTerrazzo,
+              .base = FromSrgb(0xC9C2B4),
+              .second = FromSrgb(0x7C5A48),
+              .accent = FromSrgb(0x4F6670),
+              .scale = 0.012f,
+              .contrast = 0.4f});
+  writer->AddBox({-0.21f, -0.15f, -0.004f}, {0.21f, 0.15f, 0.f});
+
+  writer.Place(-0.115, 0.055, 0, -14);
+  AddHouse(writer, {0.105f, 0.08f, 0.062f});
+
+  writer.Place(0.02, 0.082, 0, 0);
+  writer.Use({.name = "vase",
+              .texture = Texture::kGlaze,
+              .base = FromSrgb(0xC8B48E),
+              .second = FromSrgb(0x3E6A86),
+              .accent = FromSrgb(0x5A3423),
+              .scale = 0.032f,
+              .contrast = 0.35f});
+  writer->AddRevolution({{0.021f, 0.f},
+                         {0.031f, 0.02f},
+                         {0.041f, 0.05f},
+                         {0.038f, 0.085f},
+                         {0.022f, 0.115f},
+                         {0.016f, 0.135f},
+                         {0.019f, 0.15f},
+                         {0.025f, 0.16f},
+                         {0.022f, 0.159f},
+                         {0.014f, 0.14f},
+                         {0.f, 0.12f}},
+                        96,
+                        120);
+
+  writer.Place(0.132, 0.06, 0, -28);
+  writer.Use({.name = "box",
+              .texture = Texture::kPrint,
+              .base = FromSrgb(0xD8C9A2),
+              .second = FromSrgb(0xB5563C),
+              .accent = FromSrgb(0x36474F),
+              .scale = 0.03f,
+              .contrast = 0.35f});
+  writer->AddBox({-0.036f, -0.026f, 0.f}, {0.036f, 0.026f, 0.098f});
+
+  writer.Place(-0.012, -0.028, 0, 30);
+  writer.Use({.name = "ball",
+              .texture = Texture::kMarble,
+              .base = FromSrgb(0x7E9A7C),
+              .second = FromSrgb(0xB9C7A4),
+              .accent = FromSrgb(0xE9E4D2),
+              .scale = 0.03f,
+              .contrast = 0.45f});
+  writer->AddEllipsoid({0.f, 0.f, 0.034f}, {0.034f, 0.034f, 0.034f}, 96);
+
+  writer.Place(0.105, -0.065, 0, 0);
+  writer.Use({.name = "ring",
+              .texture = Texture::kStone,
+              .base = FromSrgb(0xC98F52),
+              .second = FromSrgb(0xE3C08C),
+              .accent = FromSrgb(0x6B4423),
+              .scale = 0.02f,
+              .contrast = 0.5f});
+  AddRing(writer, 0.036f, 0.016f);
+
+  writer.Place(-0.118, -0.062, 0, 0);
+  writer.Use({.name = "plain cylinder",
+              .texture = Texture::kPlain,
+              .base = FromSrgb(0xB8C4CC),
+              .textureless = true});
+  writer->AddCylinder(0.027f, 0.f, 0.075f, 128);
+
+  writer.Place(0.02, -0.108, 0, 20);
+  writer.Use({.name = "pebble",
+              .texture = Texture::kStone,
+              .base = FromSrgb(0x7B7F86),
+              .second = FromSrgb(0xA9A59C),
+              .accent = FromSrgb(0x3B3D42),
+              .scale = 0.016f,
+              .contrast = 0.5f});
+  AddPebble(writer, 0.021f);
+}
+
+void DescribeHouse(SceneWriter& writer, SceneDescription* scene) {
+  scene->box = {{-0.2, -0.2, -0.005}, {0.2, 0.2, 0.26}};
+  AddTableTop(writer, 1.0f, 1.0f, -0.012f);
+  writer.Use({.name = "garden",
+              .texture = Texture::kClouds,
+              .base = FromSrgb(0x4E6B2E),
+              .second = FromSrgb(0x93A05A),
+              .scale = 0.03f,
+              .contrast = 0.7f});
+  writer->AddBox({-0.2f, -0.2f, -0.012f}, {0.2f, 0.2f, 0.f});
+  writer.Use({.name = "path",
+              .texture = Texture::kTerrazzo,
+              .base = FromSrgb(0x9A958A),
+              .second = FromSrgb(0x70685C),
+              .accent = FromSrgb(0xB8B2A0),
+              .scale = 0.016f,
+              .contrast = 0.45f});
+  writer->AddBox({-0.02f, -0.2f, 0.f}, {0.024f, -0.08f, 0.002f});
+  writer.Place(0, 0, 0, 0);
+  AddHouse(writer, {0.22f, 0.16f, 0.12f});
+
+  const Material bark = WoodMaterial("bark", 0.008f);
+  const Material leaves = {.name = "leaves",
+                           .texture = Texture::kClouds,
+                           .base = FromSrgb(0x2F5427),
+                           .second = FromSrgb(0x7FA045),
+                           .scale = 0.012f,
+                           .contrast = 0.8f};
+  for (const Vector2f& at : {Vector2f(-0.15f, -0.14f), Vector2f(0.15f, -0.12f)}) {
+    writer.Place(at.x(), at.y(), 0, 40 * at.x());
+    writer.Use(bark);
+    writer->AddCylinder(0.009f, 0.f, 0.05f, 32);
+    writer.Place(at.x(), at.y(), 0.055, 100 * at.x());
+    writer.Use(leaves);
+    AddPebble(writer, 0.034f);
+  }
+  writer.Place(0, 0, 0, 0);
+  writer.Use(WoodMaterial("fence", 0.006f));
+  for (int i = 0; i < 24; ++i) {
+    const float x = -0.186f + 0.016f * static_cast<float>(i);
+    writer->AddBox({x, 0.182f, 0.f}, {x + 0.009f, 0.187f, 0.045f});
+  }
+  writer->AddBox({-0.19f, 0.187f, 0.02f}, {0.19f, 0.191f, 0.027f});
+}
+
+void DescribeRelief(SceneWriter& writer, SceneDescription* scene) {
+  scene->box = {{-0.16, -0.075, -0.005}, {0.16, 0.075, 0.235}};
+  AddTableTop(writer, 1.2f, 1.2f, 0.f);
+  const Material stone = {.name = "sandstone",
+                          .texture = Texture::kStone,
+                          .base = FromSrgb(0xB9A27C),
+                          .second = FromSrgb(0xD9C9A8),
+                          .accent = FromSrgb(0x7A6547),
+                          .scale = 0.02f,
+                          .contrast = 0.4f};
+  writer.Use(stone);
+  for (int i = 0; i < 3; ++i) {
+    const float step = 0.008f * static_cast<float>(i);
+    writer->AddBox({-0.155f + step, -0.07f + 1.6f * step, step},
+                   {0.155f - step, 0.07f, step + 0.008f});
+  }
+  writer->AddBox({-0.13f, 0.02f, 0.024f}, {0.13f, 0.066f, 0.16f});
+  // The carved front of the back wall: medallions and rough stone.
+  writer->AddSurface(
+      [](float u, float v) {
+        const float x = -0.13f + 0.26f * u, z = 0.024f + 0.136f * v;
+        const float cell = (x + 0.13f) / 0.052f;
+        const Vector2f from_center((cell - std::floor(cell) - 0.5f) * 0.052f, z - 0.095f);
+        const float r = from_center.norm();
+        const float medallion = 0.007f * (1.f - SmoothStep(0.014f, 0.021f, r)) +
+                                0.005f * (1.f - SmoothStep(0.002f, 0.008f, std::abs(r - 0.010f)));
+        const float rough = 0.004f * FractalNoise(Vector3f(x, 1.f, z), 0.03f, 0.6f, 0.002f);
+        return Vector3f(x, 0.019f - medallion - rough, z);
+      },
+      208,
+      108);
+  writer->AddBox({-0.147f, -0.055f, 0.16f}, {0.147f, 0.068f, 0.178f});
+  writer->AddBox({-0.15f, -0.058f, 0.178f}, {0.15f, 0.07f, 0.184f});
+  // A gable across the front: AddGable's ridge runs along x, so turn it.
+  writer.Place(0, 0.006, 0, 0);
+  const Vector3f a(-0.15f, -0.062f, 0.184f), b(0.15f, -0.062f, 0.184f), c(0.f, -0.062f, 0.232f);
+  const Vector3f depth(0.f, 0.124f, 0.f);
+  writer->AddTriangle(a, b, c);
+  writer->AddTriangle(b + depth, a + depth, c + depth);
+  writer->AddQuad(b, b + depth, c + depth, c);
+  writer->AddQuad(a + depth, a, c, c + depth);
+  for (int i = 0; i < 6; ++i) {
+    writer.Place(-0.125 + 0.05 * i, -0.03, 0, 13.0 * i);
+    writer.Use(stone);
+    writer->AddCylinder(0.0165f, 0.024f, 0.031f, 64);
+    writer->AddSurface(
+        [](float u, float v) {
+          const float angle = kTwoPi * (u - std::floor(u));
+          const float flutes = 0.0009f * std::cos(16.f * angle);
+          const float r = 0.0135f - 0.002f * v + flutes;
+          return Vector3f(r * std::cos(angle), r * std::sin(angle), 0.031f + 0.118f * v);
+        },
+        128,
+        24);
+    writer->AddRevolution({{0.0115f, 0.149f}, {0.0165f, 0.155f}, {0.018f, 0.16f}}, 64, 8);
+  }
+}
+
+void DescribePlane(SceneWriter& writer, SceneDescription* scene) {
+  scene->box = {{-1, -1, -0.01}, {1, 1, 0.01}};
+  scene->light_spacing = 0.05f;
+  writer.Use({.name = "plane",
+              .texture = Texture::kClouds,
+              .base = FromSrgb(0x6B5B4A),
+              .second = FromSrgb(0xCFC3AE),
+              .scale = 0.05f,
+              .contrast = 0.8f});
+  writer->AddQuad({-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
+}
+
+}  // namespace livemvs::synth
