@@ -1,7 +1,305 @@
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
 #include "commands.h"
+#include "dataset_options.h"
+#include "interrupt.h"
+#include "livemvs/core/error.h"
+#include "livemvs/core/log.h"
+#include "livemvs/io/atomic_file.h"
+#include "livemvs/io/dataset.h"
+#include "livemvs/io/ply.h"
+#include "livemvs/io/prefetcher.h"
+#include "livemvs/map/normals.h"
+#include "livemvs/pipeline/reconstructor.h"
+#include "livemvs/pipeline/scene_range.h"
+#include "livemvs/pipeline/search_mode.h"
+#include "progress.h"
 
 namespace livemvs::app {
+namespace {
 
-void AddRunCommand(CLI::App&) {}
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct RunArguments {
+  DatasetOptions dataset;
+  fs::path output;
+  fs::path stats;
+  std::string preset = "default";
+  std::vector<std::string> settings;
+  std::vector<double> box;
+  double near = 0;
+  double far = 0;
+  std::string search;
+  int seeds = 0;
+  int threads = 0;
+  std::string progress = "auto";
+  bool ray_normals = false;
+};
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Options MakeOptions(const RunArguments& args) {
+  Options options = OptionsFromPreset(args.preset);
+  for (const std::string& setting : args.settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos) {
+      throw std::invalid_argument("--set " + setting + ": must be NAME=VALUE");
+    }
+    SetOption(&options, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  if (args.seeds > 0) options.max_seeds = args.seeds;
+  if (args.threads > 0) options.threads = args.threads;
+  if (!args.search.empty()) SetOption(&options, "search", args.search);
+  options.Check();
+  return options;
+}
+
+std::vector<CameraPose> CamerasOf(const Dataset& dataset) {
+  std::vector<CameraPose> cameras;
+  for (const DatasetView& view : dataset.views()) {
+    cameras.push_back({view.camera, view.cam_from_world});
+  }
+  return cameras;
+}
+
+SceneRange MakeRange(const RunArguments& args, const Dataset& dataset) {
+  const std::vector<CameraPose> cameras = CamerasOf(dataset);
+  SceneRange range;
+  if (!args.box.empty()) {
+    Box box;
+    box.min = {args.box[0], args.box[1], args.box[2]};
+    box.max = {args.box[3], args.box[4], args.box[5]};
+    range.box = box;
+    range.near = 1;
+    range.far = 2;
+    range.Check();
+    range = RangeOfBox(box, cameras);
+  } else if (args.near > 0 && args.far > 0) {
+    range.origin = "--near and --far";
+  } else if (dataset.box()) {
+    range = RangeOfBox(*dataset.box(), cameras);
+    range.origin = "the data set's box";
+  } else {
+    range = DeriveRange(cameras, dataset.sparse_points());
+  }
+  if (args.near > 0) range.near = args.near;
+  if (args.far > 0) range.far = args.far;
+  range.Check();
+  return range;
+}
+
+std::string Describe(const SceneRange& range) {
+  char text[256];
+  std::snprintf(text, sizeof(text), "depths %.4g to %.4g", range.near, range.far);
+  std::string description = text;
+  if (range.box) {
+    const Box& b = *range.box;
+    std::snprintf(text,
+                  sizeof(text),
+                  " in the box (%.4g %.4g %.4g) to (%.4g %.4g %.4g)",
+                  b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z());
+    description += text;
+  }
+  return description + ", from " + range.origin;
+}
+
+nlohmann::json StatisticsJson(const RunArguments& args,
+                              const Options& options,
+                              const SceneRange& range,
+                              const Dataset& dataset,
+                              const Dataset::Statistics& frames,
+                              const Reconstructor& reconstructor,
+                              double loop_seconds,
+                              double total_seconds) {
+  const ReconstructionStatistics& s = reconstructor.statistics();
+  nlohmann::json json;
+  json["data"] = dataset.description();
+  json["preset"] = args.preset;
+  VisitOptions(options, [&](const char* name, const auto&) {
+    json["options"][name] = GetOption(options, name);
+  });
+  json["range"] = Describe(range);
+  json["backend"] = reconstructor.backend_name();
+  json["frames"] = {{"decoded", frames.decoded}, {"skipped", frames.skipped}, {"used", s.frames}};
+  json["seeds"] = {{"spawned", s.seeds_spawned},
+                   {"converged", s.seeds_converged},
+                   {"alive", reconstructor.live_seeds()},
+                   {"rejected",
+                    {{"outlier", s.rejected_outlier},
+                     {"aged", s.rejected_aged},
+                     {"unseen", s.rejected_unseen},
+                     {"left_interval", s.rejected_left_interval}}}};
+  json["updates"] = {{"total", s.updates.total()},
+                     {"matched", s.updates.matched},
+                     {"no_information", s.updates.no_information},
+                     {"out_of_view", s.updates.out_of_view},
+                     {"mismatched", s.updates.mismatched},
+                     {"per_second",
+                      s.update_seconds > 0
+                          ? static_cast<double>(s.updates.total()) / s.update_seconds
+                          : 0}};
+  json["seconds"] = {{"spawn", s.spawn_seconds},
+                     {"update", s.update_seconds},
+                     {"collect", s.collect_seconds},
+                     {"loop", loop_seconds},
+                     {"total", total_seconds}};
+  json["frames_per_second"] =
+      loop_seconds > 0 ? static_cast<double>(s.frames) / loop_seconds : 0;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  json["peak_memory_mb"] = static_cast<double>(usage.ru_maxrss) / 1024;
+  json["cpu_seconds"] =
+      static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+      1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  json["points"] = reconstructor.points().size();
+  return json;
+}
+
+// Feeds all frames; stops early, without failing, where a signal comes or the input breaks after frames
+// that could be used.
+void Reconstruct(Prefetcher* frames,
+                 std::int64_t frame_count,
+                 Progress* progress,
+                 Reconstructor* reconstructor) {
+  while (!Interrupted()) {
+    std::optional<PosedFrame> frame;
+    try {
+      frame = frames->Next();
+    } catch (const Error& e) {
+      if (reconstructor->statistics().frames == 0) throw;
+      LogWarning(std::string(e.what()) + "; going on with the frames before it");
+      return;
+    }
+    if (!frame) return;
+    reconstructor->AddFrame(*frame);
+    progress->Show({"reconstruct",
+                    reconstructor->statistics().frames,
+                    frame_count,
+                    static_cast<std::int64_t>(reconstructor->live_seeds()),
+                    static_cast<std::int64_t>(reconstructor->points().size())});
+  }
+}
+
+void ExplainEmptyCloud(const ReconstructionStatistics& s) {
+  std::string reason = "too few frames";
+  if (s.seeds_spawned == 0) {
+    reason = "no pixel has texture within the range: check --box or --near and --far";
+  } else if (s.updates.no_information >= s.updates.total() * 9 / 10) {
+    reason = "the camera hardly moves, or its pictures are blurred";
+  } else if (s.updates.out_of_view > s.updates.total() / 2) {
+    reason = "what one frame shows, the next do not: check the poses, their convention and the range";
+  } else if (s.updates.mismatched > s.updates.matched) {
+    reason = "patches are not found where the poses say: check poses, convention and calibration";
+  }
+  LogWarning("no point converged; likely because: " + reason);
+}
+
+void Run(const RunArguments& args) {
+  const Clock::time_point start = Clock::now();
+  Options options = MakeOptions(args);
+  CheckWritable(args.output);
+  if (!args.stats.empty()) CheckWritable(args.stats);
+  const ProgressMode progress_mode = ParseProgressMode(args.progress);
+  const std::unique_ptr<Dataset> dataset = OpenDataset(args.dataset);
+  LogInfo(dataset->description());
+  const SceneRange range = MakeRange(args, *dataset);
+  LogInfo("looking for surfaces at " + Describe(range));
+  options.search = ChooseSearch(CamerasOf(*dataset), range, options);
+  LogInfo(options.search == Search::kFull
+              ? "searching whole epipolar lines: the steps between frames are wide"
+              : "searching near the prediction: the steps between frames are small");
+
+  CatchInterrupts();
+  Reconstructor reconstructor(options, range);
+  Progress progress(progress_mode);
+  const Clock::time_point loop_start = Clock::now();
+  Dataset::Statistics frame_statistics;
+  {
+    Prefetcher frames(dataset.get());
+    Reconstruct(&frames,
+                static_cast<std::int64_t>(dataset->views().size()),
+                &progress,
+                &reconstructor);
+    frame_statistics = frames.statistics();
+  }
+  progress.Finish();
+  const double loop_seconds = SecondsSince(loop_start);
+  const bool interrupted = Interrupted();
+
+  PointCloud cloud = reconstructor.points();
+  if (cloud.empty()) ExplainEmptyCloud(reconstructor.statistics());
+  const bool estimate_normals = !args.ray_normals && !interrupted;
+  if (estimate_normals) EstimateNormals(cloud);
+  WritePly(args.output,
+           cloud,
+           estimate_normals ? "of the plane through the 16 nearest points, on the camera's side"
+                            : "towards the camera that planted the seed");
+  const nlohmann::json statistics = StatisticsJson(args,
+                                                   options,
+                                                   range,
+                                                   *dataset,
+                                                   frame_statistics,
+                                                   reconstructor,
+                                                   loop_seconds,
+                                                   SecondsSince(start));
+  std::printf("%zu points from %lld frames in %.1f s (%.1f frames/s)\n",
+              cloud.size(),
+              static_cast<long long>(reconstructor.statistics().frames),
+              SecondsSince(start),
+              statistics["frames_per_second"].get<double>());
+  std::printf("%s\n", fs::absolute(args.output).c_str());
+  if (!args.stats.empty()) {
+    AtomicFile file(args.stats);
+    file.Write(statistics.dump(2) + "\n");
+    file.Commit();
+    std::printf("%s\n", fs::absolute(args.stats).c_str());
+  }
+  if (interrupted) throw CLI::RuntimeError(kExitInterrupted);
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app) {
+  auto args = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "Reconstruct a point cloud from posed video or images");
+  AddDatasetOptions(command, &args->dataset);
+  command->add_option("-o,--output", args->output, "Point cloud to write (PLY)")->required();
+  command->add_option("--stats", args->stats, "Statistics of the run to write (JSON)");
+  command->add_option("--preset", args->preset, "default, or paper: the method as published");
+  command->add_option("--box", args->box, "Reconstruct inside of x0 y0 z0 x1 y1 z1 [scene units]")
+      ->expected(6);
+  command->add_option("--near", args->near, "Least depth [scene units]");
+  command->add_option("--far", args->far, "Largest depth [scene units]");
+  command->add_option(
+      "--search", args->search, "window, full (for wide steps between frames), or auto");
+  command->add_option("--seeds", args->seeds, "Seeds kept alive (250000)");
+  command->add_option("--threads", args->threads, "Worker threads (all cores)");
+  command->add_option("--set", args->settings, "Any option of the method, NAME=VALUE; repeatable");
+  command->add_flag("--ray-normals", args->ray_normals,
+                    "Write viewing directions as normals, instead of estimating planes");
+  command->add_option("--progress", args->progress, "auto, line, json or none");
+  command->footer(
+      "Examples:\n"
+      "  livemvs run --data scan/ -o scan.ply\n"
+      "  livemvs run --data video.mp4 --poses poses.txt --camera camera.yaml -o scan.ply\n"
+      "  livemvs run --data scan/ --box -0.2 -0.2 0 0.2 0.2 0.3 --stats scan.json -o scan.ply\n"
+      "  livemvs run --data scan/ --preset paper -o paper.ply\n"
+      "  livemvs run --data photos/ --search full -o photos.ply\n\n"
+      "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 out of resources, 130 interrupted\n"
+      "(the cloud so far is written).");
+  command->callback([args] { Run(*args); });
+}
 
 }  // namespace livemvs::app

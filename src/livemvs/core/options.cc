@@ -1,6 +1,7 @@
 #include "livemvs/core/options.h"
 
-#include <cmath>
+#include <charconv>
+#include <sstream>
 #include <stdexcept>
 
 namespace livemvs {
@@ -12,7 +13,91 @@ void Require(bool ok, const char* option, double value, const char* allowed) {
                               " must be " + allowed);
 }
 
+template <typename E>
+struct EnumName {
+  E value;
+  const char* name;
+};
+constexpr EnumName<DepthCoordinate> kCoordinates[] = {{DepthCoordinate::kDepth, "depth"},
+                                                      {DepthCoordinate::kInverseDepth, "inverse-depth"}};
+constexpr EnumName<OutlierDensity> kDensities[] = {{OutlierDensity::kRange, "range"},
+                                                   {OutlierDensity::kWindow, "window"}};
+constexpr EnumName<Search> kSearches[] = {
+    {Search::kAuto, "auto"}, {Search::kWindow, "window"}, {Search::kFull, "full"}};
+
+template <typename T>
+bool ParseNumber(const std::string& text, T* value) {
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, *value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+template <typename E, std::size_t N>
+bool ParseEnum(const EnumName<E> (&names)[N], const std::string& text, E* value) {
+  for (const auto& entry : names) {
+    if (text == entry.name) {
+      *value = entry.value;
+      return true;
+    }
+  }
+  return false;
+}
+
+template <typename E, std::size_t N>
+std::string NameOf(const EnumName<E> (&names)[N], E value) {
+  for (const auto& entry : names) {
+    if (entry.value == value) return entry.name;
+  }
+  return "?";
+}
+
+bool Parse(const std::string& text, int* value) { return ParseNumber(text, value); }
+bool Parse(const std::string& text, float* value) { return ParseNumber(text, value); }
+bool Parse(const std::string& text, DepthCoordinate* value) {
+  return ParseEnum(kCoordinates, text, value);
+}
+bool Parse(const std::string& text, OutlierDensity* value) {
+  return ParseEnum(kDensities, text, value);
+}
+bool Parse(const std::string& text, Search* value) { return ParseEnum(kSearches, text, value); }
+
+template <typename T>
+std::string Print(T value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
+std::string Print(DepthCoordinate value) { return NameOf(kCoordinates, value); }
+std::string Print(OutlierDensity value) { return NameOf(kDensities, value); }
+std::string Print(Search value) { return NameOf(kSearches, value); }
+
 }  // namespace
+
+void SetOption(Options* options, const std::string& name, const std::string& value) {
+  bool known = false;
+  bool understood = false;
+  VisitOptions(*options, [&](const char* field_name, auto& field) {
+    if (name != field_name) return;
+    known = true;
+    understood = Parse(value, &field);
+  });
+  if (!known) throw std::invalid_argument("option '" + name + "' is unknown");
+  if (!understood) {
+    throw std::invalid_argument("option " + name + " cannot be '" + value + "'");
+  }
+}
+
+std::string GetOption(const Options& options, const std::string& name) {
+  std::string value;
+  bool known = false;
+  VisitOptions(options, [&](const char* field_name, const auto& field) {
+    if (name != field_name) return;
+    known = true;
+    value = Print(field);
+  });
+  if (!known) throw std::invalid_argument("option '" + name + "' is unknown");
+  return value;
+}
 
 void Options::Check() const {
   Require(max_seeds >= 1 && max_seeds <= 64'000'000, "max_seeds", max_seeds, "1 ... 64000000");

@@ -101,6 +101,49 @@ struct Options {
   void Check() const;
 };
 
+/// Calls `visit(name, field)` for every option: the one list that command line, files and printing use.
+/// Works on const and non-const Options.
+template <typename AnyOptions, typename Visit>
+void VisitOptions(AnyOptions& o, Visit&& visit) {
+  visit("max_seeds", o.max_seeds);
+  visit("seed_spacing_px", o.seed_spacing_px);
+  visit("cover_radius_px", o.cover_radius_px);
+  visit("cover_angle_deg", o.cover_angle_deg);
+  visit("min_patch_stddev", o.min_patch_stddev);
+  visit("prior_a", o.prior_a);
+  visit("prior_b", o.prior_b);
+  visit("coordinate", o.coordinate);
+  visit("search", o.search);
+  visit("search_radius_px", o.search_radius_px);
+  visit("search_sigmas", o.search_sigmas);
+  visit("search_radius_max_px", o.search_radius_max_px);
+  visit("min_ncc", o.min_ncc);
+  visit("ambiguity_ncc", o.ambiguity_ncc);
+  visit("min_parallax_px", o.min_parallax_px);
+  visit("warp_roll_deg", o.warp_roll_deg);
+  visit("warp_scale", o.warp_scale);
+  visit("measurement_sigma_px", o.measurement_sigma_px);
+  visit("image_noise", o.image_noise);
+  visit("max_measurement_sigma_px", o.max_measurement_sigma_px);
+  visit("outlier_density", o.outlier_density);
+  visit("eta_outlier", o.eta_outlier);
+  visit("outlier_certainty", o.outlier_certainty);
+  visit("eta_inlier", o.eta_inlier);
+  visit("epsilon_range", o.epsilon_range);
+  visit("epsilon_px", o.epsilon_px);
+  visit("min_views", o.min_views);
+  visit("max_age", o.max_age);
+  visit("max_unseen", o.max_unseen);
+  visit("threads", o.threads);
+}
+
+/// Sets an option from text: numbers, or the enumerators "depth", "inverse-depth"; "range", "window";
+/// "auto", "window", "full". @throws std::invalid_argument naming option and value.
+void SetOption(Options* options, const std::string& name, const std::string& value);
+
+/// The option's value as SetOption takes it. @throws std::invalid_argument for an unknown name.
+std::string GetOption(const Options& options, const std::string& name);
+
 /// Algorithm 1 and its constants as published. Where the text leaves a choice: the variance
 /// threshold "1/10,000th of the bounding volume size" is read as a variance in units of that size
 /// squared, that is sigma < range / 100, the only reading under which seeds converge in tenths of a
