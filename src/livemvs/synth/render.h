@@ -19,7 +19,7 @@ struct RenderOptions {
   bool ground_truth = true;      ///< Compute depth and material.
   /// cam_from_world while the shutter is open, at even times: the samples of a pixel are shared out
   /// to them. Empty: a sharp picture.
-  std::vector<Rigid3d> shutter_poses;
+  std::vector<Rigid3d> shutter_poses = {};
 
   void Check() const;  ///< @throws std::invalid_argument
 };

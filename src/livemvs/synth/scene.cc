@@ -101,25 +101,34 @@ SyntheticScene::~SyntheticScene() = default;
 SyntheticScene::SyntheticScene(SyntheticScene&&) noexcept = default;
 SyntheticScene& SyntheticScene::operator=(SyntheticScene&&) noexcept = default;
 
-void SyntheticScene::ComputeLight() {
+void SyntheticScene::PlanLight() {
   constexpr int kMaxSteps = 400;
   const synth::SceneMesh& mesh = description_.mesh;
+  const auto& p = mesh.positions;
   grids_.resize(mesh.faces.size());
-  std::size_t count = 0;
+  std::size_t count = p.size();
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    const auto& p = mesh.positions;
     const Eigen::Vector3i& c = mesh.faces[f];
     const float longest = std::max(
         {(p[c[0]] - p[c[1]]).norm(), (p[c[1]] - p[c[2]]).norm(), (p[c[2]] - p[c[0]]).norm()});
     const int steps =
         std::clamp(static_cast<int>(std::ceil(longest / description_.light_spacing)), 1, kMaxSteps);
     grids_[f] = {count, steps};
-    count += static_cast<std::size_t>(steps + 1) * (steps + 2) / 2;
+    if (steps > 1) count += static_cast<std::size_t>(steps + 1) * (steps + 2) / 2;
   }
-  light_.resize(count);
+  light_.assign(count, Vector2f::Zero());
+}
+
+void SyntheticScene::ComputeLight() {
+  PlanLight();
+  const synth::SceneMesh& mesh = description_.mesh;
+  tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t i) {
+    light_[i] = LightAtPoint(description_, *caster_, mesh.positions[i], mesh.normals[i]);
+  });
   tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t f) {
+    const auto [first, steps] = grids_[f];
+    if (steps == 1) return;
     const Eigen::Vector3i& c = mesh.faces[f];
-    const int steps = grids_[f].steps;
     for (int j = 0; j <= steps; ++j) {
       for (int i = 0; i + j <= steps; ++i) {
         const float u = static_cast<float>(i) / static_cast<float>(steps);
@@ -127,7 +136,7 @@ void SyntheticScene::ComputeLight() {
         const auto blend = [&](const std::vector<Vector3f>& of) -> Vector3f {
           return (1.f - u - v) * of[c[0]] + u * of[c[1]] + v * of[c[2]];
         };
-        light_[grids_[f].first + GridIndex(steps, i, j)] = LightAtPoint(
+        light_[first + GridIndex(steps, i, j)] = LightAtPoint(
             description_, *caster_, blend(mesh.positions), blend(mesh.normals).normalized());
       }
     }
@@ -151,6 +160,10 @@ bool SyntheticScene::Intersect(const Vector3d& origin, const Vector3d& direction
 
 Vector2f SyntheticScene::LightAt(const Hit& hit) const {
   const LightGrid& grid = grids_[hit.face];
+  if (grid.steps == 1) {
+    const Eigen::Vector3i& c = description_.mesh.faces[hit.face];
+    return (1.f - hit.u - hit.v) * light_[c[0]] + hit.u * light_[c[1]] + hit.v * light_[c[2]];
+  }
   const float last = static_cast<float>(grid.steps);
   const float x = std::clamp(hit.u * last, 0.f, last);
   const float y = std::clamp(hit.v * last, 0.f, last - x);

@@ -82,15 +82,17 @@ class SyntheticScene {
   const Box& box() const { return description_.box; }
 
  private:
+  void PlanLight();
   void ComputeLight();
   Eigen::Vector2f LightAt(const Hit& hit) const;
 
   synth::SceneDescription description_;
   std::unique_ptr<synth::RayCaster> caster_;
-  // Light at a triangular grid of points on each face: (sky, lamp), linearly interpolated.
+  // Light, (sky, lamp) reflected by a white surface, linearly interpolated: of small faces at the
+  // vertices, of the others at a triangular grid of points.
   struct LightGrid {
-    std::size_t first;
-    int steps;  // intervals along each edge
+    std::size_t first;  // index into light_, behind the vertices
+    int steps;          // intervals along each edge; 1: the corners
   };
   std::vector<LightGrid> grids_;
   std::vector<Eigen::Vector2f> light_;

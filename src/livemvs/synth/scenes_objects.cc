@@ -1,6 +1,7 @@
 // The scenes that stand on a table: table, house, relief; and the plane.
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -262,7 +263,10 @@ void DescribeRelief(SceneWriter& writer, SceneDescription* scene) {
         const float medallion = 0.007f * (1.f - SmoothStep(0.014f, 0.021f, r)) +
                                 0.005f * (1.f - SmoothStep(0.002f, 0.008f, std::abs(r - 0.010f)));
         const float rough = 0.004f * FractalNoise(Vector3f(x, 1.f, z), 0.03f, 0.6f, 0.002f);
-        return Vector3f(x, 0.019f - medallion - rough, z);
+        // At its borders the carving sinks into the wall, so that there is no gap behind it.
+        const float to_border = std::min(0.13f - std::abs(x), 0.16f - z);
+        const float carved = SmoothStep(0.f, 0.004f, to_border);
+        return Vector3f(x, 0.0205f - carved * (0.0045f + medallion + rough), z);
       },
       208,
       108);
