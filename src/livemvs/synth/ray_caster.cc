@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -77,6 +78,39 @@ bool RayCaster::Intersect(const Eigen::Vector3f& origin,
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   *hit = {query.ray.tfar, query.hit.u, query.hit.v, static_cast<int>(query.hit.primID)};
   return true;
+}
+
+void RayCaster::Intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+  constexpr std::size_t kWidth = 8;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < rays.size(); first += kWidth) {
+    const std::size_t count = std::min(kWidth, rays.size() - first);
+    alignas(32) int valid[kWidth] = {};
+    RTCRayHit8 query{};
+    for (std::size_t i = 0; i < count; ++i) {
+      const Ray& ray = rays[first + i];
+      valid[i] = -1;
+      query.ray.org_x[i] = ray.origin.x();
+      query.ray.org_y[i] = ray.origin.y();
+      query.ray.org_z[i] = ray.origin.z();
+      query.ray.dir_x[i] = ray.direction.x();
+      query.ray.dir_y[i] = ray.direction.y();
+      query.ray.dir_z[i] = ray.direction.z();
+      query.ray.tfar[i] = std::numeric_limits<float>::infinity();
+      query.ray.mask[i] = ~0u;
+      query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid, impl_->scene, &context, &query);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool none = query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID;
+      hits[first + i] = {query.ray.tfar[i],
+                         query.hit.u[i],
+                         query.hit.v[i],
+                         none ? -1 : static_cast<int>(query.hit.primID[i])};
+    }
+  }
 }
 
 bool RayCaster::Occluded(const Eigen::Vector3f& origin,

@@ -61,31 +61,42 @@ struct Shot {
   float pixel_angle;  // of a pixel at the axis, relative to depth
 };
 
-// The light that arrives along a ray (X/Z, Y/Z, 1) in camera axes.
-Vector3f Trace(const Shot& shot, const Rigid3d& world_from_cam, const Vector3d& ray) {
-  const Vector3d direction = world_from_cam.rotation * ray;
-  SyntheticScene::Hit hit;
-  if (!shot.scene.Intersect(world_from_cam.translation, direction, &hit)) {
-    return shot.scene.Background(direction.cast<float>().normalized());
-  }
+// The light that arrives along a ray from what it met.
+Vector3f Shade(const Shot& shot, const SyntheticScene::Ray& ray, const SyntheticScene::Hit& hit) {
+  const Vector3f direction = ray.direction.cast<float>();
+  if (hit.face < 0) return shot.scene.Background(direction.normalized());
   // A pixel covers a longer piece of a slanted surface; the square root is between its two sides.
-  const float slant =
-      std::abs(static_cast<float>(shot.scene.FaceNormal(hit.face).cast<double>().dot(direction)) /
-               static_cast<float>(direction.norm()));
+  const float slant = std::abs(shot.scene.FaceNormal(hit.face).dot(direction)) / direction.norm();
   const float footprint =
       static_cast<float>(hit.distance) * shot.pixel_angle / std::sqrt(std::max(slant, 0.1f));
   return shot.scene.Radiance(hit, footprint);
 }
 
-Vector3f PixelLight(const Shot& shot, const std::array<Vector3d, 4>& corners) {
-  Vector3f sum = Vector3f::Zero();
-  for (std::size_t s = 0; s < shot.pattern.size(); ++s) {
-    const Vector2d& at = shot.pattern[s];
-    const Vector3d ray = (1 - at.y()) * ((1 - at.x()) * corners[0] + at.x() * corners[1]) +
-                         at.y() * ((1 - at.x()) * corners[2] + at.x() * corners[3]);
-    sum += Trace(shot, shot.shutter[s % shot.shutter.size()], ray);
+// A row's samples: those of pixel x are the `pattern.size()` rays from first[x], none where the
+// camera sees nothing there.
+struct RowRays {
+  std::vector<SyntheticScene::Ray> rays;
+  std::vector<std::size_t> first;
+};
+
+RowRays SampleRow(const Shot& shot, int y) {
+  const auto above = shot.rays.Corners(y), below = shot.rays.Corners(y + 1);
+  RowRays row;
+  row.rays.reserve(shot.camera.width * shot.pattern.size());
+  row.first.reserve(shot.camera.width + 1);
+  for (int x = 0; x < shot.camera.width; ++x) {
+    row.first.push_back(row.rays.size());
+    if (!above[x] || !above[x + 1] || !below[x] || !below[x + 1]) continue;
+    for (std::size_t s = 0; s < shot.pattern.size(); ++s) {
+      const Vector2d& at = shot.pattern[s];
+      const Vector3d ray = (1 - at.y()) * ((1 - at.x()) * *above[x] + at.x() * *above[x + 1]) +
+                           at.y() * ((1 - at.x()) * *below[x] + at.x() * *below[x + 1]);
+      const Rigid3d& world_from_cam = shot.shutter[s % shot.shutter.size()];
+      row.rays.push_back({world_from_cam.translation, world_from_cam.rotation * ray});
+    }
   }
-  return sum * static_cast<float>(shot.options.exposure / static_cast<double>(shot.pattern.size()));
+  row.first.push_back(row.rays.size());
+  return row;
 }
 
 // Two independent normal deviates that depend on the key alone.
@@ -122,28 +133,35 @@ void StorePixel(
   out->cr(x, y) = ToByte(cr);
 }
 
+void RenderTruth(const Shot& shot, int x, int y, RenderedFrame* out) {
+  out->material(x, y) = RenderedFrame::kNoMaterial;
+  const auto center = shot.rays.Center(x, y);
+  SyntheticScene::Hit hit;
+  if (center &&
+      shot.scene.Intersect(
+          shot.world_from_cam.translation, shot.world_from_cam.rotation * *center, &hit)) {
+    // The ray's z is 1, so that its parameter is the depth along the axis.
+    out->z_depth(x, y) = static_cast<float>(hit.distance);
+    out->material(x, y) = shot.scene.MaterialOf(hit.face);
+  }
+}
+
 void RenderRow(const Shot& shot, std::int64_t frame_index, int y, RenderedFrame* out) {
-  const auto above = shot.rays.Corners(y), below = shot.rays.Corners(y + 1);
+  const RowRays row = SampleRow(shot, y);
+  std::vector<SyntheticScene::Hit> hits;
+  shot.scene.Intersect(row.rays, &hits);
   const std::uint64_t row_key =
       synth::Mix(shot.options.noise_seed + synth::Mix(static_cast<std::uint64_t>(frame_index))) +
       static_cast<std::uint64_t>(y) * 0x10000;
+  const float scale =
+      static_cast<float>(shot.options.exposure / static_cast<double>(shot.pattern.size()));
   for (int x = 0; x < shot.camera.width; ++x) {
-    const bool seen = above[x] && above[x + 1] && below[x] && below[x + 1];
-    const Vector3f light =
-        seen ? PixelLight(shot, {*above[x], *above[x + 1], *below[x], *below[x + 1]})
-             : Vector3f(0, 0, 0);
-    StorePixel(light, row_key + x, shot.options.noise_sigma, &out->picture, x, y);
-    if (!shot.options.ground_truth) continue;
-    out->material(x, y) = RenderedFrame::kNoMaterial;
-    const auto center = seen ? shot.rays.Center(x, y) : std::nullopt;
-    SyntheticScene::Hit hit;
-    if (center &&
-        shot.scene.Intersect(
-            shot.world_from_cam.translation, shot.world_from_cam.rotation * *center, &hit)) {
-      // The ray's z is 1, so that its parameter is the depth along the axis.
-      out->z_depth(x, y) = static_cast<float>(hit.distance);
-      out->material(x, y) = shot.scene.MaterialOf(hit.face);
+    Vector3f light = Vector3f::Zero();
+    for (std::size_t i = row.first[x]; i < row.first[x + 1]; ++i) {
+      light += scale * Shade(shot, row.rays[i], hits[i]);
     }
+    StorePixel(light, row_key + x, shot.options.noise_sigma, &out->picture, x, y);
+    if (shot.options.ground_truth) RenderTruth(shot, x, y, out);
   }
 }
 

@@ -102,7 +102,7 @@ SyntheticScene::SyntheticScene(SyntheticScene&&) noexcept = default;
 SyntheticScene& SyntheticScene::operator=(SyntheticScene&&) noexcept = default;
 
 void SyntheticScene::PlanLight() {
-  constexpr int kMaxSteps = 400;
+  constexpr int kMaxSteps = 160;
   const synth::SceneMesh& mesh = description_.mesh;
   const auto& p = mesh.positions;
   grids_.resize(mesh.faces.size());
@@ -156,6 +156,19 @@ bool SyntheticScene::Intersect(const Vector3d& origin, const Vector3d& direction
   const double distance = slope != 0 ? normal.dot(a - origin) / slope : found.distance;
   *hit = {distance, found.face, found.u, found.v};
   return true;
+}
+
+void SyntheticScene::Intersect(const std::vector<Ray>& rays, std::vector<Hit>* hits) const {
+  std::vector<synth::RayCaster::Ray> single(rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    single[i] = {rays[i].origin.cast<float>(), rays[i].direction.cast<float>()};
+  }
+  std::vector<synth::RayCaster::Hit> found(rays.size());
+  caster_->Intersect(single, found);
+  hits->resize(rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    (*hits)[i] = {found[i].distance, found[i].face, found[i].u, found[i].v};
+  }
 }
 
 Vector2f SyntheticScene::LightAt(const Hit& hit) const {
