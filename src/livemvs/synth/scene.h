@@ -21,10 +21,10 @@ struct SceneDescription {
   SceneMesh mesh;
   std::vector<Material> materials;
   Box box;                                       ///< Holds what is to be reconstructed [m].
-  Eigen::Vector3f lamp = {-0.5f, -0.45f, 1.1f};  ///< Centre of the lamp [m].
+  Eigen::Vector3f lamp = {-0.65f, -0.5f, 0.95f};  ///< Centre of the lamp [m].
   float lamp_radius = 0.15f;                     ///< [m]
-  float lamp_power = 1;
-  float sky_power = 0.6f;        ///< Light from all around ...
+  float lamp_power = 0.85f;
+  float sky_power = 0.42f;        ///< Light from all around ...
   float sky_distance = 0.5f;     ///< ... is kept off by surfaces nearer than this [m].
   float light_spacing = 0.004f;  ///< Distance of the points where light is computed [m].
   Eigen::Vector3f background_low, background_high;  ///< Of rays that hit nothing, linear.

@@ -19,8 +19,8 @@ constexpr float kTwoPi = 2.f * std::numbers::pi_v<float>;
 Material WoodMaterial(const char* name, float scale) {
   return {.name = name,
           .texture = Texture::kWood,
-          .base = FromSrgb(0xC59A6B),
-          .second = FromSrgb(0x94683F),
+          .base = FromSrgb(0xB08B66),
+          .second = FromSrgb(0x80603F),
           .accent = FromSrgb(0x4A2E1A),
           .scale = scale,
           .contrast = 0.5f};
@@ -111,11 +111,11 @@ void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
   AddTableTop(writer, 1.0f, 0.8f, -0.004f);
   writer.Use({.name = "sheet",
               .texture = Texture::kTerrazzo,
-              .base = FromSrgb(0xC9C2B4),
-              .second = FromSrgb(0x7C5A48),
+              .base = FromSrgb(0xB9B2A4),
+              .second = FromSrgb(0x6F4E3E),
               .accent = FromSrgb(0x4F6670),
-              .scale = 0.012f,
-              .contrast = 0.4f});
+              .scale = 0.009f,
+              .contrast = 0.55f});
   writer->AddBox({-0.21f, -0.15f, -0.004f}, {0.21f, 0.15f, 0.f});
 
   writer.Place(-0.115, 0.055, 0, -14);
