@@ -94,7 +94,7 @@ SyntheticScene::SyntheticScene(const SceneOptions& options) {
   options.Check();
   description_ = synth::DescribeScene(options.name, options.seed);
   caster_ = std::make_unique<synth::RayCaster>(description_.mesh);
-  ComputeLight();
+  if (options.shadows) ComputeLight();
 }
 
 SyntheticScene::~SyntheticScene() = default;
@@ -172,6 +172,7 @@ void SyntheticScene::Intersect(const std::vector<Ray>& rays, std::vector<Hit>* h
 }
 
 Vector2f SyntheticScene::LightAt(const Hit& hit) const {
+  if (light_.empty()) return {0.4f, 0.4f};
   const LightGrid& grid = grids_[hit.face];
   if (grid.steps == 1) {
     const Eigen::Vector3i& c = description_.mesh.faces[hit.face];

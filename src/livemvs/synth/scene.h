@@ -20,11 +20,11 @@ class RayCaster;
 struct SceneDescription {
   SceneMesh mesh;
   std::vector<Material> materials;
-  Box box;                                       ///< Holds what is to be reconstructed [m].
+  Box box;                                        ///< Holds what is to be reconstructed [m].
   Eigen::Vector3f lamp = {-0.65f, -0.5f, 0.95f};  ///< Centre of the lamp [m].
-  float lamp_radius = 0.15f;                     ///< [m]
+  float lamp_radius = 0.15f;                      ///< [m]
   float lamp_power = 0.85f;
-  float sky_power = 0.42f;        ///< Light from all around ...
+  float sky_power = 0.42f;       ///< Light from all around ...
   float sky_distance = 0.5f;     ///< ... is kept off by surfaces nearer than this [m].
   float light_spacing = 0.004f;  ///< Distance of the points where light is computed [m].
   Eigen::Vector3f background_low, background_high;  ///< Of rays that hit nothing, linear.
@@ -37,6 +37,7 @@ struct SceneOptions {
   /// a textured square of 2 x 2 m at z = 0, facing +z.
   std::string name = "table";
   std::uint64_t seed = 1;  ///< Of the textures.
+  bool shadows = true;     ///< Compute the light, which takes a second; else it is even everywhere.
 
   void Check() const;  ///< @throws std::invalid_argument
 };
