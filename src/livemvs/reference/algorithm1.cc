@@ -1,0 +1,148 @@
+#include "livemvs/reference/algorithm1.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "livemvs/reference/matcher.h"
+#include "livemvs/reference/posterior.h"
+
+namespace livemvs::reference {
+namespace {
+
+// Half of the prior's interval is this many standard deviations: 99 % within, [VH11] Sec. 4.2.
+constexpr double kSigmas99 = 2.5758;
+
+// Mean and standard deviation along the ray [scene], first order.
+std::pair<double, double> DepthAndSigma(const Options& options, const Seed& seed) {
+  const double step = 1e-6;
+  const double sigma = std::sqrt(seed.posterior.sigma2);
+  const double rate = (DepthAt(options, seed, seed.posterior.mu + step) -
+                       DepthAt(options, seed, seed.posterior.mu - step)) /
+                      (2 * step);
+  return {DepthAt(options, seed, seed.posterior.mu), std::abs(rate) * sigma};
+}
+
+// [VH11] Sec. 4.3, with our further criteria (docs/algorithm.md).
+Fate JudgeSeed(const Options& options, const Seed& seed) {
+  const Posterior<double>& q = seed.posterior;
+  if (!(q.mu > -0.1 && q.mu < 1.1)) return Fate::kLeftInterval;
+  if (options.eta_outlier > 0 &&
+      BetaCdf(options.eta_outlier, q.a, q.b) > options.outlier_certainty) {
+    return Fate::kOutlier;
+  }
+  if (InlierRatio(q) > options.eta_inlier && seed.counts.views >= options.min_views) {
+    const auto [depth, sigma] = DepthAndSigma(options, seed);
+    const double range = std::abs(DepthAt(options, seed, 1) - DepthAt(options, seed, 0));
+    const double pixel = depth / std::sqrt(std::abs(seed.camera.fx * seed.camera.fy));
+    if (sigma < options.epsilon_range * range || sigma < options.epsilon_px * pixel) {
+      return q.mu >= 0 && q.mu <= 1 ? Fate::kConverged : Fate::kLeftInterval;
+    }
+  }
+  if (options.max_age > 0 && seed.counts.age >= options.max_age) return Fate::kAged;
+  if (options.max_unseen > 0 && seed.counts.unseen >= options.max_unseen) return Fate::kUnseen;
+  return Fate::kAlive;
+}
+
+double InlierWeight(const Posterior<double>& q, const Match& match) {
+  const double v = q.sigma2 + match.tau2, d = match.mu - q.mu;
+  const double good = q.a * std::exp(-d * d / (2 * v)) / std::sqrt(2 * M_PI * v);
+  return good / (good + q.b * match.u);
+}
+
+double PatchVariance(const Seed& seed) {
+  double mean = 0, variance = 0;
+  for (const auto v : seed.patch) mean += v / static_cast<double>(kPatchPixels);
+  for (const auto v : seed.patch) variance += (v - mean) * (v - mean) / kPatchPixels;
+  return variance;
+}
+
+}  // namespace
+
+Match UpdateSeed(const Options& options, const Meeting& current, Seed* seed) {
+  const Match match = FindMatch(options, *seed, current);
+  SeedCounts& counts = seed->counts;
+  if (match.status == MatchStatus::kMatched) {
+    const double w1 = InlierWeight(seed->posterior, match);
+    seed->posterior = FuseTextbook(seed->posterior, match.mu, match.tau2, match.u);
+    if (w1 > 0.5 && counts.views < 255) ++counts.views;
+  } else if (match.status == MatchStatus::kMismatch) {
+    seed->posterior.b += 1;
+  }
+  if (match.status == MatchStatus::kMatched || match.status == MatchStatus::kMismatch) ++counts.age;
+  if (match.status != MatchStatus::kOutOfView) {
+    counts.unseen = 0;
+  } else if (counts.unseen < 255) {
+    ++counts.unseen;
+  }
+  seed->fate = JudgeSeed(options, *seed);
+  return match;
+}
+
+Seed MakeSeed(
+    const Options& options, const PosedFrame& frame, int x, int y, double near, double far) {
+  Seed seed;
+  seed.camera = frame.camera;
+  seed.cam_from_world = frame.cam_from_world;
+  const Eigen::Vector3d ray =
+      Projector(frame.camera).Unproject({x, y}).value_or(Eigen::Vector3d(0, 0, 1));
+  seed.bearing_x = ray.x();
+  seed.bearing_y = ray.y();
+  const double z0 = near * ray.norm(), z1 = far * ray.norm();
+  const bool depth = options.coordinate == DepthCoordinate::kDepth;
+  seed.interval = {depth ? z0 : 1 / z0, depth ? z1 : 1 / z1};
+  seed.posterior = {0.5, std::pow(0.5 / kSigmas99, 2), options.prior_a, options.prior_b};
+  for (int r = 0; r < kPatchSize; ++r) {
+    for (int c = 0; c < kPatchSize; ++c) {
+      seed.patch[r * kPatchSize + c] =
+          frame.picture->grey(x + c - kPatchRadius, y + r - kPatchRadius);
+    }
+  }
+  return seed;
+}
+
+Algorithm1::Algorithm1(const Options& options, double near, double far)
+    : options_(options), near_(near), far_(far) {
+  options.Check();
+}
+
+std::size_t Algorithm1::AddFrame(const PosedFrame& frame) {
+  const std::size_t before = points_.size();
+  const Meeting current = {frame.picture->grey.view(), frame.camera, frame.cam_from_world, false};
+  for (Seed& seed : seeds_) UpdateSeed(options_, current, &seed);  // step 2
+  for (const Seed& seed : seeds_) {                                // steps 3 and 4
+    if (seed.fate == Fate::kConverged) Convert(seed);
+  }
+  std::erase_if(seeds_, [](const Seed& seed) { return seed.fate != Fate::kAlive; });
+  Plant(frame);  // step 1, after the others: a seed tells nothing in the frame it was born in
+  return points_.size() - before;
+}
+
+void Algorithm1::Plant(const PosedFrame& frame) {
+  const int step = options_.seed_spacing_px;
+  constexpr int kBorder = kPatchRadius + 1;
+  for (int y = kBorder; y < frame.camera.height - kBorder; ++y) {
+    for (int x = kBorder; x < frame.camera.width - kBorder; ++x) {
+      if (static_cast<int>(seeds_.size()) >= options_.max_seeds) return;
+      if (x % step != 0 || y % step != 0) continue;
+      const Seed seed = MakeSeed(options_, frame, x, y, near_, far_);
+      if (std::sqrt(PatchVariance(seed)) >= options_.min_patch_stddev) seeds_.push_back(seed);
+    }
+  }
+}
+
+void Algorithm1::Convert(const Seed& seed) {
+  const auto [depth, sigma] = DepthAndSigma(options_, seed);
+  const Eigen::Vector3d bearing = Eigen::Vector3d(seed.bearing_x, seed.bearing_y, 1).normalized();
+  const Rigid3d world_from_ref = seed.cam_from_world.Inverse();
+  Point point;
+  point.position = (world_from_ref * (bearing * depth)).cast<float>();
+  point.normal = -(world_from_ref.rotation * bearing).cast<float>();
+  point.sigma = static_cast<float>(sigma);
+  point.inlier_ratio = static_cast<float>(InlierRatio(seed.posterior));
+  point.views = seed.counts.views;
+  points_.push_back(point);
+}
+
+}  // namespace livemvs::reference

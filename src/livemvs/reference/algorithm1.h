@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "livemvs/core/frame.h"
+#include "livemvs/core/options.h"
+#include "livemvs/core/point.h"
+#include "livemvs/core/seed.h"
+
+namespace livemvs::reference {
+
+/// A seed with all it needs, on its own.
+struct Seed {
+  Camera camera;           ///< Of the reference frame.
+  Rigid3d cam_from_world;  ///< Of the reference frame.
+  double bearing_x = 0;    ///< The ray is (bearing_x, bearing_y, 1).
+  double bearing_y = 0;
+  Interval<double> interval{};
+  Posterior<double> posterior{};
+  std::array<std::uint8_t, kPatchPixels> patch{};
+  SeedCounts counts{};
+  Fate fate = Fate::kAlive;
+};
+
+/// What a seed meets.
+struct Meeting {
+  ImageView<std::uint8_t> image;
+  Camera camera;
+  Rigid3d cam_from_world;
+  bool warp = false;  ///< The sampling grid turns and scales with the relative pose.
+};
+
+/// The outcome of step 2b; the numbers are set where the status is kMatched.
+struct Match {
+  MatchStatus status = MatchStatus::kMismatch;
+  double score = 0;   ///< NCC.
+  double offset = 0;  ///< [px] along the epipolar line.
+  double mu = 0;      ///< Measured coordinate, in the seed's interval.
+  double tau2 = 0;    ///< Its variance.
+  double u = 0;       ///< Density of outliers.
+};
+
+/// Steps 2a and 2b of Algorithm 1 [VH11] for one seed. Points are projected one by one through
+/// world coordinates; the line's direction and the rate are central differences, the depth of the
+/// match a bisection.
+Match FindMatch(const Options& options, const Seed& seed, const Meeting& current);
+
+/// Steps 2 to 4 for one seed: also fuses (FuseTextbook, in double) and judges.
+Match UpdateSeed(const Options& options, const Meeting& current, Seed* seed);
+
+/// Algorithm 1 as in its box, with a list of seeds; for short sequences of small pictures. Fills
+/// the pool in raster order on every `seed_spacing_px`-th pixel with texture, whether or not there
+/// is a point already.
+class Algorithm1 {
+ public:
+  /// Rays are searched between the planar depths `near` and `far` [scene].
+  Algorithm1(const Options& options, double near, double far);
+
+  /// Runs one frame and returns how many points converged.
+  std::size_t AddFrame(const PosedFrame& frame);
+
+  const PointCloud& points() const { return points_; }
+  const std::vector<Seed>& seeds() const { return seeds_; }
+
+ private:
+  void Plant(const PosedFrame& frame);
+  void Convert(const Seed& seed);
+
+  Options options_;
+  double near_;
+  double far_;
+  std::vector<Seed> seeds_;
+  PointCloud points_;
+};
+
+/// The seed of the pixel (x, y), at least three pixels inside of the picture, searched between two
+/// planar depths. Posterior as in Sec. 4.2.
+Seed MakeSeed(
+    const Options& options, const PosedFrame& frame, int x, int y, double near, double far);
+
+}  // namespace livemvs::reference

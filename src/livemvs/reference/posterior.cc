@@ -1,0 +1,111 @@
+#include "livemvs/reference/posterior.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace livemvs::reference {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+
+double Normal(double x, double mean, double variance) {
+  const double d = x - mean;
+  return std::exp(-d * d / (2 * variance)) / std::sqrt(kTwoPi * variance);
+}
+
+}  // namespace
+
+Posterior<double> FuseTextbook(const Posterior<double>& q, double x, double tau2, double u) {
+  const double a = q.a, b = q.b;
+  const double s2 = 1 / (1 / q.sigma2 + 1 / tau2);
+  const double m = s2 * (q.mu / q.sigma2 + x / tau2);
+  const double c1_raw = a / (a + b) * Normal(x, q.mu, q.sigma2 + tau2);
+  const double c2_raw = b / (a + b) * u;
+  const double c1 = c1_raw / (c1_raw + c2_raw), c2 = c2_raw / (c1_raw + c2_raw);
+  const double f = c1 * (a + 1) / (a + b + 1) + c2 * a / (a + b + 1);
+  const double e = c1 * (a + 1) * (a + 2) / ((a + b + 1) * (a + b + 2)) +
+                   c2 * a * (a + 1) / ((a + b + 1) * (a + b + 2));
+  const double mean = c1 * m + c2 * q.mu;
+  const double variance = c1 * (s2 + m * m) + c2 * (q.sigma2 + q.mu * q.mu) - mean * mean;
+  return MatchMoments({mean, variance, f, e});
+}
+
+Posterior<double> MatchMoments(const PosteriorMoments& m) {
+  const double f = m.mean_pi, e = m.mean_pi2;
+  const double a = (e - f) / (f - e / f);
+  return {m.mean_z, m.var_z, a, a * (1 - f) / f};
+}
+
+DensePosterior::DensePosterior(double z_min, double z_max, int z_bins, int pi_bins)
+    : z_min_(z_min), z_step_((z_max - z_min) / z_bins), z_bins_(z_bins), pi_bins_(pi_bins) {
+  if (!(z_min < z_max) || z_bins < 1 || pi_bins < 1) {
+    throw std::invalid_argument("the dense posterior needs z_min < z_max and at least one bin");
+  }
+  mass_.assign(static_cast<std::size_t>(z_bins) * pi_bins, 1.0);
+  Normalise();
+}
+
+void DensePosterior::SetPrior(const Posterior<double>& q) {
+  std::vector<double> beta(pi_bins_);
+  const double log_norm = std::lgamma(q.a + q.b) - std::lgamma(q.a) - std::lgamma(q.b);
+  for (int j = 0; j < pi_bins_; ++j) {
+    beta[j] = std::exp(log_norm + (q.a - 1) * std::log(Pi(j)) + (q.b - 1) * std::log1p(-Pi(j)));
+  }
+  for (int i = 0; i < z_bins_; ++i) {
+    const double normal = Normal(Z(i), q.mu, q.sigma2);
+    for (int j = 0; j < pi_bins_; ++j) {
+      mass_[static_cast<std::size_t>(i) * pi_bins_ + j] = normal * beta[j];
+    }
+  }
+  Normalise();
+}
+
+void DensePosterior::Update(double x, double tau2, double u) {
+  for (int i = 0; i < z_bins_; ++i) {
+    const double good = Normal(x, Z(i), tau2);
+    for (int j = 0; j < pi_bins_; ++j) {
+      mass_[static_cast<std::size_t>(i) * pi_bins_ + j] *= Pi(j) * good + (1 - Pi(j)) * u;
+    }
+  }
+  Normalise();
+}
+
+PosteriorMoments DensePosterior::Moments() const {
+  PosteriorMoments m{};
+  for (int i = 0; i < z_bins_; ++i) {
+    for (int j = 0; j < pi_bins_; ++j) {
+      m.mean_z += Mass(i, j) * Z(i);
+      m.mean_pi += Mass(i, j) * Pi(j);
+      m.mean_pi2 += Mass(i, j) * Pi(j) * Pi(j);
+    }
+  }
+  for (int i = 0; i < z_bins_; ++i) {
+    for (int j = 0; j < pi_bins_; ++j) {
+      m.var_z += Mass(i, j) * (Z(i) - m.mean_z) * (Z(i) - m.mean_z);
+    }
+  }
+  return m;
+}
+
+double DensePosterior::ModeOfZ() const {
+  int best = 0;
+  double best_mass = -1;
+  for (int i = 0; i < z_bins_; ++i) {
+    double mass = 0;
+    for (int j = 0; j < pi_bins_; ++j) mass += Mass(i, j);
+    if (mass > best_mass) {
+      best_mass = mass;
+      best = i;
+    }
+  }
+  return Z(best);
+}
+
+void DensePosterior::Normalise() {
+  double sum = 0;
+  for (const double m : mass_) sum += m;
+  if (!(sum > 0)) throw std::invalid_argument("the measurement is impossible on this grid");
+  for (double& m : mass_) m /= sum;
+}
+
+}  // namespace livemvs::reference
