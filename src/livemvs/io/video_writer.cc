@@ -2,20 +2,18 @@
 
 extern "C" {
 #include <libavutil/opt.h>
-#include <libavutil/pixdesc.h>
 }
 
 #include <cmath>
 #include <cstring>
-#include <exception>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "livemvs/core/error.h"
-#include "livemvs/io/atomic_file.h"
 #include "livemvs/io/ffmpeg_util.h"
 #include "livemvs/io/frame_convert.h"
+#include "livemvs/io/muxer_sink.h"
 
 namespace livemvs {
 namespace {
@@ -24,58 +22,6 @@ namespace fs = std::filesystem;
 
 /// Time stamps are multiples of this. [1/s]; MP4's usual 90 kHz, which holds all common rates.
 constexpr int kTicksPerSecond = 90'000;
-
-/// Lets FFmpeg's muxer write into an AtomicFile. Exceptions wait in `problem` until C code is left.
-struct Sink {
-  AtomicFile file;
-  std::exception_ptr problem;
-
-  explicit Sink(const fs::path& path) : file(path) {}
-
-  template <typename F>
-  std::int64_t Guard(F&& f) {
-    if (problem) return AVERROR(EIO);
-    try {
-      return f();
-    } catch (...) {
-      problem = std::current_exception();
-      return AVERROR(EIO);
-    }
-  }
-#if LIBAVFORMAT_VERSION_MAJOR >= 61
-  using Bytes = const std::uint8_t*;
-#else
-  using Bytes = std::uint8_t*;
-#endif
-  static int Write(void* self, Bytes data, int size) {
-    auto& sink = *static_cast<Sink*>(self);
-    return static_cast<int>(sink.Guard([&] {
-      sink.file.Write(data, static_cast<std::size_t>(size));
-      return std::int64_t{size};
-    }));
-  }
-  static std::int64_t Seek(void* self, std::int64_t offset, int whence) {
-    auto& sink = *static_cast<Sink*>(self);
-    return sink.Guard([&]() -> std::int64_t {
-      if (whence == AVSEEK_SIZE) return sink.file.size();
-      if (whence == SEEK_CUR) offset += sink.file.position();
-      if (whence == SEEK_END) offset += sink.file.size();
-      sink.file.Seek(offset);
-      return offset;
-    });
-  }
-};
-
-struct MuxerDeleter {
-  void operator()(AVFormatContext* format) const {
-    if (format->pb != nullptr) {
-      av_freep(&format->pb->buffer);
-      avio_context_free(&format->pb);
-    }
-    avformat_free_context(format);
-  }
-};
-using MuxerContext = std::unique_ptr<AVFormatContext, MuxerDeleter>;
 
 void CheckOptions(const VideoWriterOptions& options) {
   const auto check = [](bool good, const std::string& what) {
@@ -145,7 +91,7 @@ class VideoWriter::Impl {
     }
     const double seconds =
         timestamp.value_or(static_cast<double>(count_) / options_.frames_per_second);
-    const auto pts = static_cast<std::int64_t>(std::llround(seconds * kTicksPerSecond));
+    const auto pts = static_cast<std::int64_t>(std::llround(seconds / av_q2d(encoder_->time_base)));
     if (count_ > 0 && pts <= last_pts_) {
       throw std::invalid_argument("VideoWriter: time stamps must grow from frame to frame");
     }
@@ -188,8 +134,8 @@ class VideoWriter::Impl {
     format_->flags |= AVFMT_FLAG_BITEXACT;  // The same frames give the same file.
     constexpr int kBufferSize = 1 << 16;
     auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferSize));
-    format_->pb =
-        avio_alloc_context(buffer, kBufferSize, 1, &sink_, nullptr, &Sink::Write, &Sink::Seek);
+    format_->pb = avio_alloc_context(
+        buffer, kBufferSize, 1, &sink_, nullptr, &ffmpeg::Sink::Write, &ffmpeg::Sink::Seek);
     if (format_->pb == nullptr) throw std::bad_alloc();
     format_->flags |= AVFMT_FLAG_CUSTOM_IO;
   }
@@ -205,8 +151,10 @@ class VideoWriter::Impl {
     encoder_->width = options_.width;
     encoder_->height = options_.height;
     encoder_->pix_fmt = codec->id == AV_CODEC_ID_MJPEG ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
-    encoder_->time_base = {1, kTicksPerSecond};
     encoder_->framerate = av_d2q(options_.frames_per_second, 100'000);
+    // AVI numbers its frames, others have time stamps.
+    const bool is_avi = std::strcmp(format_->oformat->name, "avi") == 0;
+    encoder_->time_base = is_avi ? av_inv_q(encoder_->framerate) : AVRational{1, kTicksPerSecond};
     encoder_->gop_size = options_.keyframe_interval;
     encoder_->color_range = options_.full_range ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
     const bool bt709 = options_.matrix == YuvMatrix::kBt709;
@@ -230,6 +178,7 @@ class VideoWriter::Impl {
     }
     // Encoders differ in what they know; what one lacks is passed over.
     av_opt_set(encoder_->priv_data, "preset", options_.preset.c_str(), 0);
+    av_opt_set(encoder_->priv_data, "x265-params", "log-level=none", 0);
     av_opt_set(encoder_->priv_data, "crf", std::to_string(options_.crf).c_str(), 0);
   }
 
@@ -262,7 +211,8 @@ class VideoWriter::Impl {
       if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
       Check(result, "encoding");
       if (packet->duration == 0) {
-        packet->duration = std::llround(kTicksPerSecond / options_.frames_per_second);
+        packet->duration =
+            std::llround(1 / (options_.frames_per_second * av_q2d(encoder_->time_base)));
       }
       av_packet_rescale_ts(packet.get(), encoder_->time_base, stream_->time_base);
       packet->stream_index = stream_->index;
@@ -272,8 +222,8 @@ class VideoWriter::Impl {
 
   fs::path path_;
   VideoWriterOptions options_;
-  Sink sink_;
-  MuxerContext format_;
+  ffmpeg::Sink sink_;
+  ffmpeg::MuxerContext format_;
   AVStream* stream_ = nullptr;
   ffmpeg::CodecContext encoder_;
   ffmpeg::Scaler scaler_;
