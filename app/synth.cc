@@ -1,5 +1,6 @@
 // livemvs synth: renders a sequence with known truth.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -9,9 +10,10 @@
 #include <vector>
 
 #include "commands.h"
-#include "livemvs/io/atomic_file.h"
+#include "interrupt.h"
 #include "livemvs/synth/export.h"
 #include "livemvs/synth/sequence.h"
+#include "progress.h"
 
 namespace livemvs::app {
 namespace {
@@ -33,6 +35,7 @@ struct SynthArguments {
   double shutter = 0.5;
   ExportOptions out;
   bool no_mesh = false;
+  std::string progress = "auto";
 };
 
 Camera CameraOf(const SynthArguments& a) {
@@ -80,16 +83,18 @@ void RunSynth(SynthArguments a, const std::string& command) {
   a.out.Check();
   a.out.mesh = !a.no_mesh;
   a.out.command = command;
-  const int frames = a.sequence.path.frames;
-  a.out.progress = [frames](int done) {
-    std::fprintf(stderr, "\rrendered %d of %d frames", done, frames);
-    if (done == frames) std::fputc('\n', stderr);
-    return true;
-  };
   const SyntheticScene scene(a.scene);
-  for (const std::filesystem::path& path : ExportSequence(scene, a.sequence, a.out)) {
-    std::printf("%s\n", path.c_str());
-  }
+  Progress progress(ParseProgressMode(a.progress));
+  const int frames = a.sequence.path.frames;
+  a.out.progress = [&progress, frames](int done) {
+    progress.Show({.stage = "rendering", .done = done, .total = frames});
+    return !Interrupted();
+  };
+  CatchInterrupts();
+  const auto written = ExportSequence(scene, a.sequence, a.out);
+  progress.Finish();
+  for (const std::filesystem::path& path : written) std::printf("%s\n", path.c_str());
+  if (Interrupted()) throw CLI::RuntimeError(kExitInterrupted);
 }
 
 void AddCameraOptions(CLI::App* command, SynthArguments* a) {
@@ -131,6 +136,7 @@ void AddOutputOptions(CLI::App* command, SynthArguments* a) {
   command->add_option("--encoder-preset", a->out.preset, "Speed of x264")->capture_default_str();
   command->add_option(
       "--depth-every", a->out.depth_every, "Write the true depth of every N-th frame");
+  command->add_option("--progress", a->progress, "auto, line, json or none")->capture_default_str();
   command->add_flag("--no-mesh", a->no_mesh, "Do not write the true surface");
 }
 
