@@ -35,6 +35,12 @@ class SceneWriter {
   MeshBuilder builder_;
 };
 
+/// Wood with rings of this width [m].
+Material WoodMaterial(const char* name, float scale);
+
+/// A table top of planks under everything, its surface at height z.
+void AddTableTop(SceneWriter& writer, float length, float width, float z);
+
 /// A house with gabled roof, chimney, door and windows on the ground z = 0 of the current frame.
 /// @param size  Length, width and height of the walls [m].
 void AddHouse(SceneWriter& writer, const Eigen::Vector3f& size);
