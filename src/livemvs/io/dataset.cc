@@ -147,7 +147,8 @@ std::vector<Form> FindForms(const fs::path& folder) {
   if (const fs::path file = folder / "cams.txt"; IsFile(file)) {
     forms.push_back({"cams.txt", [=](const auto& o) { return OpenCams(file, o); }});
   }
-  if (FindPoseFile(folder)) {
+  // A TUM sequence's own trajectory is no other form.
+  if (FindPoseFile(folder) && !IsFile(folder / "rgb.txt")) {
     forms.push_back({"pose file", [=](const auto& o) { return OpenPosedFolder(folder, o); }});
   }
   return forms;
