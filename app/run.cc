@@ -216,7 +216,7 @@ void Run(const RunArguments& args) {
   LogInfo(dataset->description());
   const SceneRange range = MakeRange(args, *dataset);
   LogInfo("looking for surfaces at " + Describe(range));
-  options.search = ChooseSearch(CamerasOf(*dataset), range, options);
+  options = ResolveSearch(CamerasOf(*dataset), range, options);
   LogInfo(options.search == Search::kFull
               ? "searching whole epipolar lines: the steps between frames are wide"
               : "searching near the prediction: the steps between frames are small");

@@ -65,6 +65,7 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
 
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.collect_seconds);
+  const Projector projector(frame.camera);
   for (const ReferenceFrame& reference : pool_.references()) {
     for (std::size_t i = reference.begin; i < reference.end; ++i) {
       switch (pool_.columns().fate[i]) {
@@ -72,7 +73,7 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
         case Fate::kRemoved:
           continue;
         case Fate::kConverged:
-          Convert(reference, i, frame);
+          Convert(reference, i, frame, projector);
           break;
         case Fate::kOutlier:
           ++statistics_.rejected_outlier;
@@ -95,7 +96,8 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
 
 void Reconstructor::Convert(const ReferenceFrame& reference,
                             std::size_t i,
-                            const PosedFrame& frame) {
+                            const PosedFrame& frame,
+                            const Projector& projector) {
   const SeedColumns& s = pool_.columns();
   const Eigen::Vector3d bearing = Eigen::Vector3d(s.bearing_x[i], s.bearing_y[i], 1).normalized();
   const DepthEstimate<float> z =
@@ -109,7 +111,7 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   point.sigma = z.sigma;
   point.inlier_ratio = s.a[i] / (s.a[i] + s.b[i]);
   point.views = s.counts[i].views;
-  const auto pixel = Projector(frame.camera).Project(in_cur);
+  const auto pixel = projector.Project(in_cur);
   if (pixel && frame.camera.Contains(*pixel)) {
     point.color = frame.picture->ColorAt(static_cast<int>(std::lround(pixel->x())),
                                          static_cast<int>(std::lround(pixel->y())));

@@ -53,7 +53,10 @@ class Reconstructor {
   void SpawnSeeds(const PosedFrame& frame);
   void UpdateSeeds(const PosedFrame& frame);
   void CollectSeeds(const PosedFrame& frame);
-  void Convert(const ReferenceFrame& reference, std::size_t i, const PosedFrame& frame);
+  void Convert(const ReferenceFrame& reference,
+               std::size_t i,
+               const PosedFrame& frame,
+               const Projector& projector);
 
   Options options_;
   SeedPool pool_;

@@ -23,14 +23,25 @@ double MedianDisparityRange(const std::vector<CameraPose>& cameras, const SceneR
   return *middle;
 }
 
-Search ChooseSearch(const std::vector<CameraPose>& cameras,
-                    const SceneRange& range,
-                    const Options& options) {
-  if (options.search != Search::kAuto) return options.search;
-  // The window follows the projection of the mean; it must hold half of the interval at the first step,
-  // and does well to about twice that, because steps add up slowly in the frames that follow.
-  const double reach = 4 * static_cast<double>(options.search_radius_max_px);
-  return MedianDisparityRange(cameras, range) > reach ? Search::kFull : Search::kWindow;
+Options ResolveSearch(const std::vector<CameraPose>& cameras,
+                      const SceneRange& range,
+                      const Options& options) {
+  Options resolved = options;
+  if (options.search == Search::kAuto) {
+    // The window follows the projection of the mean; it must hold half of the interval at the first
+    // step, and does well to about twice that, because a seed is planted in many frames.
+    const double reach = 4 * static_cast<double>(options.search_radius_max_px);
+    resolved.search =
+        MedianDisparityRange(cameras, range) > reach ? Search::kFull : Search::kWindow;
+  }
+  if (resolved.search == Search::kFull) {
+    resolved.prior_a = std::min(options.prior_a, 2.0F);
+    resolved.prior_b = std::min(options.prior_b, 2.0F);
+    resolved.min_views = std::min(options.min_views, 3);
+    resolved.outlier_certainty = std::min(options.outlier_certainty, 0.8F);
+    resolved.max_unseen = std::min(options.max_unseen, 3);
+  }
+  return resolved;
 }
 
 }  // namespace livemvs

@@ -5,6 +5,10 @@
 
 #include <cmath>
 
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
 namespace livemvs {
 namespace LIVEMVS_TARGET {
 namespace {
@@ -16,6 +20,7 @@ struct Seed {
   Interval<float> interval;
   Posterior<float> posterior;
   const std::uint8_t* patch;
+  bool born;  ///< False while the whole interval is still to be searched for a first match.
 };
 
 /// A successful measurement.
@@ -24,6 +29,12 @@ struct Measurement {
   float tau2;  ///< Its variance [mu²].
   float u;     ///< Density of outliers there.
 };
+
+/// A search radius that the seed's interval always cuts short [px].
+constexpr float kWholeLine = 1e4F;
+
+/// Width of a posterior that starts from a single match, in standard deviations of that match.
+constexpr float kBirthSigmas = 2;
 
 /// Distance from the patch's centre within which samples are taken [px].
 float MarginOf(bool warp, float scale) {
@@ -58,8 +69,10 @@ MatchStatus Measure(const UpdateJob& job,
     return MatchStatus::kNoInformation;
   }
   const float scale = Clamp(p.scale, 0.25F, 4.0F);
-  const float radius = Clamp(
-      options.search_sigmas * sigma_px, options.search_radius_px, options.search_radius_max_px);
+  const float radius = seed.born ? Clamp(options.search_sigmas * sigma_px,
+                                         options.search_radius_px,
+                                         options.search_radius_max_px)
+                                 : kWholeLine;
   const SearchRange range =
       ClipSearch(view, p, seed.posterior.mu, radius, MarginOf(job.warp, scale));
   if (range.last - range.first < 2) return MatchStatus::kOutOfView;
@@ -87,9 +100,11 @@ MatchStatus Measure(const UpdateJob& job,
 template <typename Model>
 MatchStatus UpdateSeed(const UpdateJob& job, std::size_t i) {
   const SeedColumns& s = job.seeds;
-  const Seed seed = {
-      {s.c0[i], s.c1[i]}, {s.mu[i], s.sigma2[i], s.a[i], s.b[i]}, s.patch + i * kPatchPixels};
   SeedCounts counts = s.counts[i];
+  const Seed seed = {{s.c0[i], s.c1[i]},
+                     {s.mu[i], s.sigma2[i], s.a[i], s.b[i]},
+                     s.patch + i * kPatchPixels,
+                     job.options->search != Search::kFull || counts.views > 0};
   // [VH11] Algorithm 1, step 2a.
   const Projection<float> p = ProjectSeed<Model>(job.group->view,
                                                  job.options->coordinate,
@@ -101,7 +116,12 @@ MatchStatus UpdateSeed(const UpdateJob& job, std::size_t i) {
   const MatchStatus status =
       p.visible ? Measure(job, seed, p, &measurement) : MatchStatus::kOutOfView;  // step 2b
   Posterior<float> q = seed.posterior;
-  if (status == MatchStatus::kMatched) {  // step 2c
+  if (status == MatchStatus::kMatched && !seed.born) {
+    // Differs from [VH11]: where one frame's step is wider than any window, the best match on the
+    // whole line is the hypothesis that the next frames put to the test.
+    q = {measurement.x, kBirthSigmas * kBirthSigmas * measurement.tau2, q.a + 1, q.b};
+    counts.views = 1;
+  } else if (status == MatchStatus::kMatched) {  // step 2c
     const Fused<float> fused = Fuse(q, measurement.x, measurement.tau2, measurement.u);
     q = fused.posterior;
     if (fused.inlier_weight > 0.5F && counts.views < 255) ++counts.views;

@@ -8,10 +8,16 @@
 using Vec8 = float __attribute__((vector_size(32)));
 using Byte8 = std::uint8_t __attribute__((vector_size(8)));
 
+/// Eight bytes as floats. Spelt out for AVX2, where GCC 12 would convert one by one.
 inline Vec8 LoadBytes(const std::uint8_t* p) {
-  Byte8 bytes;
-  __builtin_memcpy(&bytes, p, sizeof(bytes));
-  return __builtin_convertvector(bytes, Vec8);
+#if defined(__AVX2__)
+  const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p));
+  return reinterpret_cast<Vec8>(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(bytes)));
+#else
+  Vec8 v;
+  for (int i = 0; i < 8; ++i) v[i] = static_cast<float>(p[i]);
+  return v;
+#endif
 }
 
 inline float Sum(const Vec8& v) {
@@ -46,18 +52,17 @@ inline Template MakeTemplate(const std::uint8_t* patch) {
 /// Sum over the patch of the squared derivative along the unit direction (ex, ey), from central
 /// differences on the inner 3x3, scaled to the whole patch. [grey levels²/px²]
 inline float GradientAlong(const std::uint8_t* patch, float ex, float ey) {
-  float sum = 0;
+  constexpr Vec8 kInnerMask = {1, 1, 1, 0, 0, 0, 0, 0};
+  Vec8 squares = {};
   for (int r = 1; r + 1 < kPatchSize; ++r) {
-    for (int c = 1; c + 1 < kPatchSize; ++c) {
-      const std::uint8_t* p = patch + r * kPatchSize + c;
-      const float gx = static_cast<float>(p[1] - p[-1]);
-      const float gy = static_cast<float>(p[kPatchSize] - p[-kPatchSize]);
-      const float g = ex * gx + ey * gy;
-      sum += g * g;
-    }
+    const std::uint8_t* p = patch + r * kPatchSize + 1;
+    const Vec8 gx = LoadBytes(p + 1) - LoadBytes(p - 1);
+    const Vec8 gy = LoadBytes(p + kPatchSize) - LoadBytes(p - kPatchSize);
+    const Vec8 g = (ex * gx + ey * gy) * kInnerMask;
+    squares += g * g;
   }
   constexpr float kInner = (kPatchSize - 2) * (kPatchSize - 2);
-  return sum * (0.25F * kPatchPixels / kInner);
+  return Sum(squares) * (0.25F * kPatchPixels / kInner);
 }
 
 inline float Score(const Template& t, const Vec8& sums, const Vec8& squares, const Vec8& products) {
@@ -103,14 +108,12 @@ struct WarpedSampler {
       uy;  ///< Step in the current image per pixel to the right in the patch; down is (-uy, ux).
 
   float Ncc(const Template& t, float x, float y) const {
+    constexpr Vec8 kColumns = {-2, -1, 0, 1, 2, 2, 2, 2};
     Vec8 sums = {}, squares = {}, products = {};
     for (int r = 0; r < kPatchSize; ++r) {
-      Vec8 v = {};
-      for (int c = 0; c < kPatchSize; ++c) {
-        const float i = static_cast<float>(c - kPatchRadius),
-                    j = static_cast<float>(r - kPatchRadius);
-        v[c] = Bilinear(x + i * ux - j * uy, y + i * uy + j * ux);
-      }
+      const float j = static_cast<float>(r - kPatchRadius);
+      const Vec8 v =
+          Bilinear((x - j * uy) + kColumns * ux, (y + j * ux) + kColumns * uy) * kRowMask;
       sums += v;
       squares += v * v;
       products += v * t.rows[r];
@@ -118,14 +121,45 @@ struct WarpedSampler {
     return Score(t, sums, squares, products);
   }
 
-  float Bilinear(float x, float y) const {
-    const float x0 = std::floor(x), y0 = std::floor(y);
-    const float fx = x - x0, fy = y - y0;
-    const std::uint8_t* p = image.data + static_cast<std::ptrdiff_t>(y0) * image.stride +
-                            static_cast<std::ptrdiff_t>(x0);
-    const float v00 = p[0], v01 = p[1], v10 = p[image.stride], v11 = p[image.stride + 1];
-    const float above = v00 + fx * (v01 - v00);
-    const float below = v10 + fx * (v11 - v10);
+  /// The image at eight places, all inside of it.
+  Vec8 Bilinear(const Vec8& x, const Vec8& y) const {
+    // Places are not negative: conversion cuts off like floor.
+    Vec8 x0, y0, v00, v01, v10, v11;
+#if defined(__AVX2__)
+    const __m256i xi = _mm256_cvttps_epi32(reinterpret_cast<__m256>(x));
+    const __m256i yi = _mm256_cvttps_epi32(reinterpret_cast<__m256>(y));
+    x0 = reinterpret_cast<Vec8>(_mm256_cvtepi32_ps(xi));
+    y0 = reinterpret_cast<Vec8>(_mm256_cvtepi32_ps(yi));
+    const __m256i stride = _mm256_set1_epi32(static_cast<int>(image.stride));
+    const __m256i at = _mm256_add_epi32(_mm256_mullo_epi32(yi, stride), xi);
+    const auto gather = [&](const __m256i& where) {
+      return _mm256_i32gather_epi32(reinterpret_cast<const int*>(image.data), where, 1);
+    };
+    const auto byte = [](const __m256i& v) {
+      const __m256i low = _mm256_and_si256(v, _mm256_set1_epi32(255));
+      return reinterpret_cast<Vec8>(_mm256_cvtepi32_ps(low));
+    };
+    const __m256i above_pair = gather(at);
+    const __m256i below_pair = gather(_mm256_add_epi32(at, stride));
+    v00 = byte(above_pair);
+    v01 = byte(_mm256_srli_epi32(above_pair, 8));
+    v10 = byte(below_pair);
+    v11 = byte(_mm256_srli_epi32(below_pair, 8));
+#else
+    for (int i = 0; i < 8; ++i) {
+      const int xi = static_cast<int>(x[i]), yi = static_cast<int>(y[i]);
+      const std::uint8_t* p = image.data + yi * image.stride + xi;
+      x0[i] = static_cast<float>(xi);
+      y0[i] = static_cast<float>(yi);
+      v00[i] = p[0];
+      v01[i] = p[1];
+      v10[i] = p[image.stride];
+      v11[i] = p[image.stride + 1];
+    }
+#endif
+    const Vec8 fx = x - x0, fy = y - y0;
+    const Vec8 above = v00 + fx * (v01 - v00);
+    const Vec8 below = v10 + fx * (v11 - v10);
     return above + fy * (below - above);
   }
 };
