@@ -112,7 +112,6 @@ class Scene {
     for (const Point& p : contents.cloud) {
       mesh_.vertices.push_back(p.position);
       if (contents.has_colors) mesh_.colors.push_back(p.color);
-      if (!box || box->Contains(p.position.cast<double>())) points_.push_back(p);
     }
     for (const Eigen::Vector3i& face : contents.faces) {
       bool inside = true;
@@ -123,7 +122,11 @@ class Scene {
       }
       if (inside) mesh_.faces.push_back(face);
     }
-    if (mesh_.faces.empty()) points_.clear();
+    if (mesh_.faces.empty()) return;
+    constexpr std::size_t kFitSamples = 50000;
+    for (const Eigen::Vector3f& p : MeshSurface(mesh_).Sample(kFitSamples, 1, box)) {
+      points_.emplace_back().position = p;
+    }
   }
 
   PointCloud points_;  ///< What the view is fitted to.

@@ -23,7 +23,7 @@ float Quantile(std::vector<float> values, double q) {
 
 /// Radii that close the surface: a share of the local spacing, limited where points are lonely.
 std::vector<float> SplatRadii(const PointCloud& cloud, double point_size) {
-  constexpr float kShare = 0.62f, kLonely = 3;
+  constexpr float kShare = 0.8f, kLonely = 2.5f;
   std::vector<float> radius = PointSpacing(cloud, 6);
   std::vector<float> known;
   for (float r : radius) {

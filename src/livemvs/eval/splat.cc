@@ -17,8 +17,9 @@ constexpr int kBandRows = 32;
 /// A splat on the picture.
 struct Disc {
   float u, v, z;
-  float radius_px;  ///< 0: not in the picture.
-  float radius;     ///< [scene]
+  float radius_px;                 ///< 0: not in the picture.
+  float radius;                    ///< [scene]
+  float slope_u = 0, slope_v = 0;  ///< How fast the disc's plane recedes. [scene / px]
 };
 
 /// The camera with `scale` times the pixels; pixel centres stay integers.
@@ -44,6 +45,7 @@ std::vector<Disc> ProjectSplats(const std::vector<Splat>& splats,
                                 const RenderView& view,
                                 const Camera& camera) {
   const Projector projector(camera);
+  const Eigen::Matrix3f rotation = view.cam_from_world.rotation.cast<float>();
   // Something right in front of the viewer must not cover the picture.
   const double near = 0.02 * view.focus_depth;
   const float max_radius_px = static_cast<float>(camera.height) / 40;
@@ -69,6 +71,13 @@ std::vector<Disc> ProjectSplats(const std::vector<Splat>& splats,
           }
           disc.radius_px = r;
           disc.radius = r * scene_per_px;
+          // The plane through the point, but never so steep that it becomes a spike.
+          constexpr float kSteepest = 2;
+          const Eigen::Vector3f n = rotation * splats[i].normal;
+          if (std::abs(n.z()) > 1e-3f) {
+            disc.slope_u = std::clamp(-n.x() / n.z(), -kSteepest, kSteepest) * scene_per_px;
+            disc.slope_v = std::clamp(-n.y() / n.z(), -kSteepest, kSteepest) * scene_per_px;
+          }
         }
       });
   return discs;
@@ -90,7 +99,8 @@ std::vector<std::vector<std::uint32_t>> SortIntoBands(const std::vector<Disc>& d
   return rows;
 }
 
-/// Calls f(x, y, squared distance from the middle in radii) for the pixels of a disc in the rows.
+/// Calls f(x, y, q, z) with the squared distance from the middle in radii and the plane's depth for
+/// the pixels of a disc in the rows.
 template <typename F>
 void ForEachPixel(const Disc& d, int width, int first_row, int end_row, const F& f) {
   const int y0 = std::max(first_row, static_cast<int>(std::ceil(d.v - d.radius_px)));
@@ -103,13 +113,10 @@ void ForEachPixel(const Disc& d, int width, int first_row, int end_row, const F&
     for (int x = x0; x <= x1; ++x) {
       const float dx = static_cast<float>(x) - d.u;
       const float q = (dx * dx + dy * dy) * scale;
-      if (q <= 1) f(x, y, q);
+      if (q <= 1) f(x, y, q, d.z + d.slope_u * dx + d.slope_v * dy);
     }
   }
 }
-
-/// A disc bulges towards the viewer, so that of two at one depth each keeps its own middle.
-float DepthAt(const Disc& d, float q) { return d.z + 0.5f * d.radius * q; }
 
 void DrawBand(const std::vector<Splat>& splats,
               const std::vector<Disc>& discs,
@@ -118,31 +125,43 @@ void DrawBand(const std::vector<Splat>& splats,
               int first_row,
               FragmentImage* image) {
   const int end_row = std::min(first_row + kBandRows, image->height);
+  const auto for_each_pixel = [&](std::uint32_t i, const auto& f) {
+    ForEachPixel(discs[i], image->width, first_row, end_row, f);
+  };
   for (std::uint32_t i : members) {
-    ForEachPixel(discs[i], image->width, first_row, end_row, [&](int x, int y, float q) {
+    for_each_pixel(i, [&](int x, int y, float, float z) {
       float& depth = image->At(x, y).depth;
-      depth = std::min(depth, DepthAt(discs[i], q));
+      depth = std::min(depth, z);
     });
   }
-  std::vector<float> weights(static_cast<std::size_t>(image->width) * (end_row - first_row), 0.0f);
+  // What lies within a radius behind the nearest disc is the same surface.
+  struct Sum {
+    float weight = 0, depth = 0;
+  };
+  std::vector<Sum> sums(static_cast<std::size_t>(image->width) * (end_row - first_row));
+  const auto sum_at = [&](int x, int y) -> Sum& {
+    return sums[static_cast<std::size_t>(y - first_row) * image->width + x];
+  };
   for (std::uint32_t i : members) {
-    const Disc& d = discs[i];
     const Eigen::Vector3f normal = rotation * splats[i].normal;
-    ForEachPixel(d, image->width, first_row, end_row, [&](int x, int y, float q) {
+    for_each_pixel(i, [&](int x, int y, float q, float z) {
       Fragment& fragment = image->At(x, y);
-      if (DepthAt(d, q) > fragment.depth + d.radius) return;  // another surface, farther away
-      const float weight = 1.02f - q;
+      if (z > fragment.depth + 1.5f * discs[i].radius) return;
+      const float weight = (1.01f - q) * (1.01f - q);
       fragment.color += weight * splats[i].color;
       fragment.normal += weight * normal;
-      weights[static_cast<std::size_t>(y - first_row) * image->width + x] += weight;
+      Sum& sum = sum_at(x, y);
+      sum.weight += weight;
+      sum.depth += weight * z;
     });
   }
   for (int y = first_row; y < end_row; ++y) {
     for (int x = 0; x < image->width; ++x) {
-      const float w = weights[static_cast<std::size_t>(y - first_row) * image->width + x];
+      const Sum& sum = sum_at(x, y);
       Fragment& fragment = image->At(x, y);
-      if (w <= 0) continue;
-      fragment.color /= w;
+      if (sum.weight <= 0) continue;
+      fragment.depth = sum.depth / sum.weight;
+      fragment.color /= sum.weight;
       const float length = fragment.normal.norm();
       if (length > 0) fragment.normal /= length;
     }

@@ -17,7 +17,9 @@ namespace livemvs {
 void EstimateNormals(PointCloud& cloud, int k = 16);
 
 /// Distance of each point to its k-th nearest other point [scene], by which a renderer chooses the
-/// size of a point. Infinite where there are fewer points; 0 for a point that is not finite.
+/// size of a point; at most 1.5 times the lower quartile of those points' own, so that a lonely
+/// point beside a surface does not become large. Infinite where there are fewer points; 0 for a
+/// point that is not finite.
 std::vector<float> PointSpacing(const PointCloud& cloud, int k = 4);
 
 }  // namespace livemvs
