@@ -131,7 +131,7 @@ class VideoWriter::Impl {
       throw std::invalid_argument("VideoWriter: " + path_.string() +
                                   ": the ending must be .mp4, .mov, .mkv, .webm or .avi");
     }
-    format_->flags |= AVFMT_FLAG_BITEXACT;  // The same frames give the same file.
+    format_->flags |= AVFMT_FLAG_BITEXACT;  // No dates or versions.
     constexpr int kBufferSize = 1 << 16;
     auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferSize));
     format_->pb = avio_alloc_context(
