@@ -48,7 +48,7 @@ struct RenderArguments {
   int views = 1;
   bool no_scale_bar = false;
   ViewOptions fit;
-  RenderOptions options;
+  CloudRenderOptions options;
 };
 
 std::pair<int, int> ParseSize(const std::string& text) {
@@ -87,7 +87,7 @@ RenderColor ParseColor(const std::string& name) {
 /// What is drawn: a cloud, or a mesh where `mesh.faces` is not empty.
 class Scene {
  public:
-  Scene(PlyContents contents, const std::optional<Box>& box, const RenderOptions& options)
+  Scene(PlyContents contents, const std::optional<Box>& box, const CloudRenderOptions& options)
       : options_(options) {
     if (!contents.faces.empty()) {
       ReadMesh(contents, box);
@@ -133,7 +133,7 @@ class Scene {
   Eigen::Vector3d towards_cameras_ = Eigen::Vector3d::Zero();
   TriangleMesh mesh_;
   std::optional<CloudRenderer> renderer_;
-  RenderOptions options_;
+  CloudRenderOptions options_;
 };
 
 /// Mean of what is up for the cameras, for filmed scenes the best guess there is.

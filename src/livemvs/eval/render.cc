@@ -140,7 +140,7 @@ void DrawRamp(RgbImage* image, const Scalar& scalar, const std::string& unit) {
 
 }  // namespace
 
-void RenderOptions::Check() const {
+void CloudRenderOptions::Check() const {
   if (!(point_size > 0 && point_size <= 100)) {
     throw std::invalid_argument("point_size: must be in (0, 100]");
   }
@@ -149,7 +149,7 @@ void RenderOptions::Check() const {
   }
 }
 
-CloudRenderer::CloudRenderer(const PointCloud& cloud, const RenderOptions& options)
+CloudRenderer::CloudRenderer(const PointCloud& cloud, const CloudRenderOptions& options)
     : options_(options) {
   options.Check();
   for (const Point& p : cloud) {
@@ -184,7 +184,7 @@ RgbImage CloudRenderer::Draw(const RenderView& view) const {
 
 RgbImage RenderMesh(const TriangleMesh& mesh,
                     const RenderView& view,
-                    const RenderOptions& options) {
+                    const CloudRenderOptions& options) {
   options.Check();
   PointCloud vertices(mesh.vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {

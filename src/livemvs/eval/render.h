@@ -18,7 +18,7 @@ enum class RenderColor {
   kHeight,       ///< Along `up`.
 };
 
-struct RenderOptions {
+struct CloudRenderOptions {
   RenderColor color = RenderColor::kRgb;
   double point_size = 1;       ///< Multiple of the size that just closes the surface.
   int supersampling = 2;       ///< Samples per pixel each way, 1 to 4.
@@ -36,7 +36,7 @@ class CloudRenderer {
  public:
   /// Estimates normals and point sizes, which all pictures of the cloud share. The cloud may hold
   /// points that are not finite; they are not drawn.
-  CloudRenderer(const PointCloud& cloud, const RenderOptions& options);
+  CloudRenderer(const PointCloud& cloud, const CloudRenderOptions& options);
 
   /// A picture of the cloud; RenderColor::kHeight goes along view.up.
   RgbImage Draw(const RenderView& view) const;
@@ -44,11 +44,13 @@ class CloudRenderer {
  private:
   PointCloud cloud_;
   std::vector<float> radius_;
-  RenderOptions options_;
+  CloudRenderOptions options_;
 };
 
 /// Draws a mesh in the same light; without colours it is grey.
-RgbImage RenderMesh(const TriangleMesh& mesh, const RenderView& view, const RenderOptions& options);
+RgbImage RenderMesh(const TriangleMesh& mesh,
+                    const RenderView& view,
+                    const CloudRenderOptions& options);
 
 /// Lights the fragments, darkens edges of depth and averages `scale` x `scale` of them per pixel.
 /// @param focal_px    Of the fragments' camera. [px of a fragment]

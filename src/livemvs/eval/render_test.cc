@@ -42,8 +42,8 @@ ViewOptions FromAbove() {
   return options;
 }
 
-RenderOptions Plain() {
-  RenderOptions options;
+CloudRenderOptions Plain() {
+  CloudRenderOptions options;
   options.scale_bar = false;
   return options;
 }
@@ -115,7 +115,7 @@ TEST(FitView, DegenerateCloudsAndWrongOptions) {
     const RenderView view = FitView(cloud, MeanViewingDirection(cloud), FromAbove());
     EXPECT_TRUE(view.cam_from_world.translation.allFinite());
     EXPECT_GT(view.focus_depth, 0);
-    const RgbImage image = CloudRenderer(cloud, RenderOptions{}).Draw(view);
+    const RgbImage image = CloudRenderer(cloud, CloudRenderOptions{}).Draw(view);
     EXPECT_EQ(image.width(), 200);
   }
   ViewOptions options;
@@ -176,7 +176,7 @@ TEST(CloudRenderer, IsDeterministicAndTakesAllColors) {
                             RenderColor::kSigma,
                             RenderColor::kInlierRatio,
                             RenderColor::kHeight}) {
-    RenderOptions options;
+    CloudRenderOptions options;
     options.color = color;
     options.unit = "m";
     const RgbImage a = CloudRenderer(cloud, options).Draw(view);
