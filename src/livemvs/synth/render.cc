@@ -53,7 +53,7 @@ std::vector<Vector2d> SamplePattern(int count) {
 struct Shot {
   const SyntheticScene& scene;
   const Camera& camera;
-  const RenderOptions& options;
+  const FrameRenderOptions& options;
   RayGrid rays;
   Rigid3d world_from_cam;
   std::vector<Rigid3d> shutter;  // world_from_cam, one or more
@@ -167,7 +167,7 @@ void RenderRow(const Shot& shot, std::int64_t frame_index, int y, RenderedFrame*
 
 }  // namespace
 
-void RenderOptions::Check() const {
+void FrameRenderOptions::Check() const {
   if (samples_per_pixel < 1 || samples_per_pixel > 1024) {
     throw std::invalid_argument("samples_per_pixel must be 1 to 1024");
   }
@@ -180,7 +180,7 @@ void RenderOptions::Check() const {
 RenderedFrame RenderFrame(const SyntheticScene& scene,
                           const Camera& camera,
                           const Rigid3d& cam_from_world,
-                          const RenderOptions& options,
+                          const FrameRenderOptions& options,
                           std::int64_t frame_index) {
   camera.Check();
   options.Check();

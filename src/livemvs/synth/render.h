@@ -11,7 +11,7 @@
 
 namespace livemvs {
 
-struct RenderOptions {
+struct FrameRenderOptions {
   int samples_per_pixel = 4;
   double noise_sigma = 0;        ///< Sensor noise, standard deviation [grey levels].
   double exposure = 1;           ///< Factor on the light.
@@ -38,7 +38,7 @@ struct RenderedFrame {
 RenderedFrame RenderFrame(const SyntheticScene& scene,
                           const Camera& camera,
                           const Rigid3d& cam_from_world,
-                          const RenderOptions& options = {},
+                          const FrameRenderOptions& options = {},
                           std::int64_t frame_index = 0);
 
 /// What makes a pixel hard to reconstruct; bits.

@@ -69,7 +69,7 @@ TEST_P(RenderWithModel, APointLooksTheSameFromTwoViews) {
   const Projector projector(camera);
   const Rigid3d a = LookAt({0.3, -0.45, 0.4}, {0, 0, 0.03}),
                 b = LookAt({0.25, -0.48, 0.42}, {0, 0, 0.03});
-  const RenderOptions options{.samples_per_pixel = 9};
+  const FrameRenderOptions options{.samples_per_pixel = 9};
   const RenderedFrame first = RenderFrame(Table(), camera, a, options);
   const RenderedFrame second = RenderFrame(Table(), camera, b, options);
   int compared = 0, same_material = 0, same_grey = 0;
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(Models,
 TEST(Render, BytesDoNotDependOnTheNumberOfThreads) {
   const Camera camera = SyntheticCamera(160, 120);
   const Rigid3d pose = MakePath(DefaultPath("table"))[7];
-  const RenderOptions options{.noise_sigma = 2};
+  const FrameRenderOptions options{.noise_sigma = 2};
   const RenderedFrame many = RenderFrame(Table(), camera, pose, options, 7);
   tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const SyntheticScene again({.name = "table"});
@@ -121,7 +121,7 @@ TEST(Render, NoiseHasItsSigmaAndDiffersBetweenFrames) {
   const Camera camera = SyntheticCamera(200, 200);
   const Rigid3d pose = LookAt({0, -0.1, 0.6}, {0, 0, 0});
   const RenderedFrame clean = RenderFrame(Plane(), camera, pose);
-  const RenderOptions options{.noise_sigma = 3};
+  const FrameRenderOptions options{.noise_sigma = 3};
   const RenderedFrame a = RenderFrame(Plane(), camera, pose, options, 1);
   const RenderedFrame b = RenderFrame(Plane(), camera, pose, options, 2);
   double sum = 0, squares = 0, product = 0, neighbours = 0;
@@ -157,7 +157,7 @@ TEST(Render, BlurIsTheMeanOverTheShutter) {
     }
     return sum;
   };
-  RenderOptions blurred{.samples_per_pixel = 16};
+  FrameRenderOptions blurred{.samples_per_pixel = 16};
   for (int i = 0; i < 16; ++i) {
     Rigid3d pose = a;
     pose.translation += (i + 0.5) / 16 * (b.translation - a.translation);

@@ -32,7 +32,7 @@ SyntheticFrame RenderSequenceFrame(const SyntheticScene& scene,
                                    const SequenceOptions& options,
                                    int index) {
   options.Check();
-  RenderOptions render;
+  FrameRenderOptions render;
   render.samples_per_pixel = options.samples_per_pixel;
   render.noise_sigma = options.noise_sigma;
   render.noise_seed = options.path.seed;
