@@ -109,7 +109,8 @@ Algorithm1::Algorithm1(const Options& options, double near, double far)
 
 std::size_t Algorithm1::AddFrame(const PosedFrame& frame) {
   const std::size_t before = points_.size();
-  const Meeting current = {frame.picture->grey.view(), frame.camera, frame.cam_from_world, false};
+  const Meeting current = {
+      frame.picture->grey.view(), Projector(frame.camera), frame.cam_from_world, false};
   for (Seed& seed : seeds_) UpdateSeed(options_, current, &seed);  // step 2
   for (const Seed& seed : seeds_) {                                // steps 3 and 4
     if (seed.fate == Fate::kConverged) Convert(seed);

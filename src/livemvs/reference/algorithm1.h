@@ -27,7 +27,7 @@ struct Seed {
 /// What a seed meets.
 struct Meeting {
   ImageView<std::uint8_t> image;
-  Camera camera;
+  Projector projector;  ///< Of its camera.
   Rigid3d cam_from_world;
   bool warp = false;  ///< The sampling grid turns and scales with the relative pose.
 };

@@ -21,7 +21,7 @@ using Vector2d = Eigen::Vector2d;
 class Line {
  public:
   Line(const Options& options, const Seed& seed, const Meeting& current)
-      : options_(options), seed_(seed), current_(current), projector_(current.camera) {
+      : options_(options), seed_(seed), current_(current) {
     const auto here = At(seed.posterior.mu);
     const auto ahead = At(seed.posterior.mu + kStep), behind = At(seed.posterior.mu - kStep);
     visible_ = here && ahead && behind;
@@ -44,7 +44,7 @@ class Line {
     const Eigen::Vector3d bearing =
         Eigen::Vector3d(seed_.bearing_x, seed_.bearing_y, 1).normalized();
     const Eigen::Vector3d world = seed_.cam_from_world.Inverse() * (bearing * depth);
-    return projector_.Project(current_.cam_from_world * world);
+    return current_.projector.Project(current_.cam_from_world * world);
   }
 
   // Signed distance along the line of the projection at mu, infinite where there is none.
@@ -72,7 +72,6 @@ class Line {
   const Options& options_;
   const Seed& seed_;
   const Meeting& current_;
-  Projector projector_;
   bool visible_ = false;
   Vector2d origin_, direction_;
   double rate_ = 0;
@@ -89,14 +88,15 @@ Grid GridOf(const Options& options, const Seed& seed, const Meeting& current) {
   const Rigid3d cur_from_ref = current.cam_from_world * seed.cam_from_world.Inverse();
   const Eigen::Vector3d bearing = Eigen::Vector3d(seed.bearing_x, seed.bearing_y, 1).normalized();
   const Eigen::Vector3d in_ref = bearing * DepthAt(options, seed, seed.posterior.mu);
-  const double focal_ratio = std::sqrt(
-      std::abs(current.camera.fx * current.camera.fy / (seed.camera.fx * seed.camera.fy)));
+  const double focal_ratio =
+      std::sqrt(std::abs(current.projector.camera().fx * current.projector.camera().fy /
+                         (seed.camera.fx * seed.camera.fy)));
   const double scale =
       std::clamp(focal_ratio * in_ref.z() / (cur_from_ref * in_ref).z(), 0.25, 4.0);
   if (!current.warp) return {{1, 0}, {0, 1}, scale};
   const Eigen::Matrix3d& r = cur_from_ref.rotation;
   double roll = std::atan2(r(1, 0) - r(0, 1), r(0, 0) + r(1, 1));
-  if (current.camera.fy < 0) roll = -roll;  // both pictures are mirrored
+  if (current.projector.camera().fy < 0) roll = -roll;  // both pictures are mirrored
   const Vector2d right(scale * std::cos(roll), scale * std::sin(roll));
   return {right, {-right.y(), right.x()}, scale};
 }
@@ -155,8 +155,8 @@ std::pair<int, int> Window(const Line& line, const Meeting& current, double radi
   int first = 1, last = 0;
   for (int i = static_cast<int>(-reach); i <= static_cast<int>(reach); ++i) {
     const Vector2d p = line.origin() + i * line.direction();
-    const bool visited =
-        std::abs(i) <= radius + 1 && i >= from && i <= to && current.camera.Contains(p, margin);
+    const bool visited = std::abs(i) <= radius + 1 && i >= from && i <= to &&
+                         current.projector.camera().Contains(p, margin);
     if (!visited) continue;
     if (first > last) first = i;
     last = i;

@@ -1,0 +1,364 @@
+#include "livemvs/backend/backend.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "livemvs/backend/cpu/kernels.h"
+#include "livemvs/reference/algorithm1.h"
+#include "plane_scene.h"
+
+namespace livemvs {
+namespace {
+
+using testing_support::PlaneScene;
+using testing_support::SidewaysPath;
+using testing_support::TestOptions;
+
+constexpr double kNear = 0.7, kFar = 1.6;
+
+// Made once: its table takes a while. All options here have these two numbers.
+const OutlierRule& Rule() {
+  static const OutlierRule rule(0.05, 0.99);
+  return rule;
+}
+
+// The columns of a few thousand seeds of one frame.
+struct Columns {
+  std::vector<float> mu, sigma2, a, b, c0, c1, bearing_x, bearing_y;
+  std::vector<std::uint8_t> patch;
+  std::vector<SeedCounts> counts;
+  std::vector<Fate> fate;
+
+  explicit Columns(const std::vector<reference::Seed>& seeds) {
+    for (const reference::Seed& s : seeds) {
+      mu.push_back(static_cast<float>(s.posterior.mu));
+      sigma2.push_back(static_cast<float>(s.posterior.sigma2));
+      a.push_back(static_cast<float>(s.posterior.a));
+      b.push_back(static_cast<float>(s.posterior.b));
+      c0.push_back(static_cast<float>(s.interval.c0));
+      c1.push_back(static_cast<float>(s.interval.c1));
+      bearing_x.push_back(static_cast<float>(s.bearing_x));
+      bearing_y.push_back(static_cast<float>(s.bearing_y));
+      patch.insert(patch.end(), s.patch.begin(), s.patch.end());
+      counts.push_back(s.counts);
+      fate.push_back(s.fate);
+    }
+    patch.resize(patch.size() + 8);  // padding, see SeedColumns
+  }
+
+  SeedColumns View() {
+    return {mu.data(),
+            sigma2.data(),
+            a.data(),
+            b.data(),
+            c0.data(),
+            c1.data(),
+            bearing_x.data(),
+            bearing_y.data(),
+            patch.data(),
+            counts.data(),
+            fate.data()};
+  }
+
+  bool operator==(const Columns& o) const {
+    const auto same = [](const auto& x, const auto& y) {
+      return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+    };
+    return same(mu, o.mu) && same(sigma2, o.sigma2) && same(a, o.a) && same(b, o.b) &&
+           same(counts, o.counts) && same(fate, o.fate) && same(patch, o.patch);
+  }
+
+  // The reference's seed takes over the state of entry i.
+  void CopyTo(std::size_t i, reference::Seed* seed) const {
+    seed->posterior = {mu[i], sigma2[i], a[i], b[i]};
+    seed->counts = counts[i];
+    seed->fate = fate[i];
+  }
+};
+
+std::vector<reference::Seed> Plant(const Options& options, const PosedFrame& frame, int step) {
+  std::vector<reference::Seed> seeds;
+  for (int y = 3; y < frame.camera.height - 3; y += step) {
+    for (int x = 3; x < frame.camera.width - 3; x += step) {
+      seeds.push_back(reference::MakeSeed(options, frame, x, y, kNear, kFar));
+    }
+  }
+  return seeds;
+}
+
+SeedGroup GroupOf(const PosedFrame& ref, const PosedFrame& cur, std::size_t seeds) {
+  return {0,
+          seeds,
+          MakeRelativeView<float>(ref.camera, ref.cam_from_world, cur.camera, cur.cam_from_world),
+          static_cast<float>(1 / std::sqrt(std::abs(ref.camera.fx * ref.camera.fy)))};
+}
+
+UpdateStatistics RunKernel(const NamedKernel& kernel,
+                           const Options& options,
+                           const SeedGroup& group,
+                           const PosedFrame& cur,
+                           bool warp,
+                           Columns* columns) {
+  const UpdateJob job = {
+      &options, &Rule(), columns->View(), &group, cur.camera.model, cur.picture->grey.view(), warp};
+  return kernel.update(job, group.begin, group.end);
+}
+
+MatchStatus StatusOf(const UpdateStatistics& one_seed) {
+  if (one_seed.matched) return MatchStatus::kMatched;
+  if (one_seed.no_information) return MatchStatus::kNoInformation;
+  return one_seed.out_of_view ? MatchStatus::kOutOfView : MatchStatus::kMismatch;
+}
+
+struct Agreement {
+  int updates = 0;
+  int matched = 0;
+  int other_status = 0;
+  int other_fate = 0;
+  int other_peak = 0;               // matched both, but at another maximum
+  double worst_mu = 0;              // over sigma
+  double worst_sigma2 = 0;          // relative
+  double worst_a = 0, worst_b = 0;  // relative
+};
+
+// Every seed meets every frame in both implementations, each time from the same state, so that one
+// tie does not spoil all that follows.
+Agreement Compare(const Options& options,
+                  const std::vector<PosedFrame>& frames,
+                  bool warp,
+                  int step) {
+  Agreement result;
+  std::vector<reference::Seed> seeds = Plant(options, frames[0], step);
+  Columns columns(seeds);
+  for (std::size_t f = 1; f < frames.size(); ++f) {
+    const PosedFrame& cur = frames[f];
+    SeedGroup group = GroupOf(frames[0], cur, seeds.size());
+    const reference::Meeting meeting = {
+        cur.picture->grey.view(), Projector(cur.camera), cur.cam_from_world, warp};
+    const UpdateJob job = {&options,
+                           &Rule(),
+                           columns.View(),
+                           &group,
+                           cur.camera.model,
+                           cur.picture->grey.view(),
+                           warp};
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      if (columns.fate[i] != Fate::kAlive) continue;
+      columns.CopyTo(i, &seeds[i]);
+      const MatchStatus status = StatusOf(UsableKernels().front().update(job, i, i + 1));
+      const MatchStatus expected = reference::UpdateSeed(options, meeting, &seeds[i]).status;
+      ++result.updates;
+      if (status != expected) {
+        ++result.other_status;
+        continue;
+      }
+      if (status == MatchStatus::kMatched) ++result.matched;
+      result.other_fate += columns.fate[i] != seeds[i].fate;
+      const Posterior<double>& q = seeds[i].posterior;
+      const double mu_error = std::abs(columns.mu[i] - q.mu) / std::sqrt(q.sigma2);
+      if (mu_error > 0.2) {
+        ++result.other_peak;
+        continue;
+      }
+      result.worst_mu = std::max(result.worst_mu, mu_error);
+      result.worst_sigma2 =
+          std::max(result.worst_sigma2, std::abs(columns.sigma2[i] / q.sigma2 - 1));
+      result.worst_a = std::max(result.worst_a, std::abs(columns.a[i] / q.a - 1));
+      result.worst_b = std::max(result.worst_b, std::abs(columns.b[i] / q.b - 1));
+    }
+  }
+  return result;
+}
+
+// Decisions at thresholds (a score of just min_ncc, two equal maxima, a patch that just touches the
+// border) may fall either way in float and double.
+constexpr double kTies = 0.003;
+// A parabola through scores that differ in the fifth digit moves its vertex by up to a hundredth of
+// a pixel where the maximum is flat; in standard deviations of the posterior.
+constexpr double kMuTolerance = 0.05;
+// Through the weight w1, from the same cause.
+constexpr double kRelativeTolerance = 0.02;
+
+void ExpectAgreement(const Agreement& r, double tolerance_factor = 1) {
+  EXPECT_GT(r.matched, r.updates / 4) << "too little to compare";
+  EXPECT_LE(r.other_status, kTies * r.updates);
+  EXPECT_LE(r.other_fate, kTies * r.updates);
+  EXPECT_LE(r.other_peak, kTies * r.updates);
+  EXPECT_LT(r.worst_mu, tolerance_factor * kMuTolerance);
+  EXPECT_LT(r.worst_sigma2, tolerance_factor * kRelativeTolerance);
+  EXPECT_LT(r.worst_a, tolerance_factor * kRelativeTolerance);
+  EXPECT_LT(r.worst_b, tolerance_factor * kRelativeTolerance);
+}
+
+class AgainstReference : public ::testing::TestWithParam<CameraModel> {};
+
+PlaneScene SceneOf(CameraModel model) {
+  PlaneScene scene;
+  scene.camera.model = model;
+  if (model == CameraModel::kBrownConrady) scene.camera.distortion = {-0.15, 0.05, 5e-4, -3e-4};
+  if (model == CameraModel::kKannalaBrandt) scene.camera.distortion = {-0.02, 0.006, -0.003, 4e-4};
+  return scene;
+}
+
+TEST_P(AgainstReference, DepthAndInverseDepth) {
+  const auto frames = SceneOf(GetParam()).Render(SidewaysPath(12));
+  // The reference follows the bent line of a distorted image, the kernel its tangent.
+  const double factor = GetParam() == CameraModel::kPinhole ? 1 : 3;
+  for (const auto coordinate : {DepthCoordinate::kDepth, DepthCoordinate::kInverseDepth}) {
+    Options options = TestOptions();
+    options.coordinate = coordinate;
+    ExpectAgreement(Compare(options, frames, false, 3), factor);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models,
+                         AgainstReference,
+                         ::testing::Values(CameraModel::kPinhole,
+                                           CameraModel::kBrownConrady,
+                                           CameraModel::kKannalaBrandt));
+
+TEST(AgainstReference, PaperOptions) {
+  const auto frames = PlaneScene().Render(SidewaysPath(12));
+  Options options = PaperOptions();
+  options.search = Search::kWindow;
+  ExpectAgreement(Compare(options, frames, false, 3));
+}
+
+TEST(AgainstReference, TurnedAndScaledPatches) {
+  std::vector<Rigid3d> poses = SidewaysPath(12);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Matrix3d roll =
+        Eigen::AngleAxisd(0.08 * static_cast<double>(i), Eigen::Vector3d::UnitZ())
+            .toRotationMatrix();
+    poses[i] = Rigid3d{roll, {0, 0, -0.015 * static_cast<double>(i)}} * poses[i];
+  }
+  ExpectAgreement(Compare(TestOptions(), PlaneScene().Render(poses), true, 3));
+}
+
+TEST(KernelsTest, InstructionSetsAgreeBitForBit) {
+  const std::vector<NamedKernel> kernels = UsableKernels();
+  ASSERT_FALSE(kernels.empty());
+  for (const auto model :
+       {CameraModel::kPinhole, CameraModel::kBrownConrady, CameraModel::kKannalaBrandt}) {
+    const auto frames = SceneOf(model).Render(SidewaysPath(6));
+    for (const auto search : {Search::kWindow, Search::kFull}) {
+      for (const bool warp : {false, true}) {
+        Options options = TestOptions();
+        options.search = search;
+        const auto seeds = Plant(options, frames[0], 4);
+        std::vector<Columns> results;
+        for (const NamedKernel& kernel : kernels) {
+          Columns columns(seeds);
+          for (std::size_t f = 1; f < frames.size(); ++f) {
+            RunKernel(kernel,
+                      options,
+                      GroupOf(frames[0], frames[f], seeds.size()),
+                      frames[f],
+                      warp,
+                      &columns);
+          }
+          results.push_back(std::move(columns));
+          EXPECT_TRUE(results.back() == results.front())
+              << kernel.name << " differs from " << kernels.front().name << ", model "
+              << ToString(model) << ", warp " << warp;
+        }
+      }
+    }
+  }
+}
+
+// What one frame does to fresh seeds.
+struct Outcome {
+  UpdateStatistics statistics;
+  Columns before, after;
+};
+
+Outcome Meet(const Options& options, const PosedFrame& ref, const PosedFrame& cur) {
+  const auto seeds = Plant(options, ref, 3);
+  Outcome outcome{{}, Columns(seeds), Columns(seeds)};
+  outcome.statistics = RunKernel(UsableKernels().front(),
+                                 options,
+                                 GroupOf(ref, cur, seeds.size()),
+                                 cur,
+                                 false,
+                                 &outcome.after);
+  return outcome;
+}
+
+TEST(KernelsTest, NoBaselineTellsNothing) {
+  const PlaneScene scene;
+  const PosedFrame ref = scene.Render(Rigid3d{}, 0);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.05, Eigen::Vector3d(0.3, 1, 0.2).normalized()).toRotationMatrix();
+  for (const Rigid3d& pose : {Rigid3d{}, Rigid3d{turn, {0, 0, 0}}}) {
+    const Outcome o = Meet(TestOptions(), ref, scene.Render(pose, 1));
+    EXPECT_EQ(o.statistics.matched, 0);
+    EXPECT_EQ(o.statistics.mismatched, 0);
+    EXPECT_GT(o.statistics.no_information, o.statistics.total() / 2);
+    EXPECT_EQ(o.before.mu, o.after.mu);
+    EXPECT_EQ(o.before.b, o.after.b);
+  }
+}
+
+TEST(KernelsTest, OutOfViewTellsNothing) {
+  const PlaneScene scene;
+  const PosedFrame ref = scene.Render(Rigid3d{}, 0);
+  PosedFrame cur = ref;
+  cur.cam_from_world = {Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()).toRotationMatrix(),
+                        {0.1, 0, 0}};
+  const Outcome behind = Meet(TestOptions(), ref, cur);
+  EXPECT_EQ(behind.statistics.out_of_view, behind.statistics.total());
+  EXPECT_EQ(behind.before.b, behind.after.b);
+  cur.cam_from_world = {Eigen::Matrix3d::Identity(), {5, 0, 0}};
+  const Outcome aside = Meet(TestOptions(), ref, cur);
+  EXPECT_EQ(aside.statistics.out_of_view, aside.statistics.total());
+  for (const SeedCounts& c : aside.after.counts) {
+    EXPECT_EQ(c.unseen, 1);
+    EXPECT_EQ(c.age, 0);
+  }
+}
+
+TEST(KernelsTest, ABlackPictureIsAMismatch) {
+  const PlaneScene scene;
+  const PosedFrame ref = scene.Render(Rigid3d{}, 0);
+  PosedFrame cur = ref;
+  cur.cam_from_world.translation.x() = -0.02;
+  auto black = std::make_shared<Picture>();
+  black->grey = Image<std::uint8_t>(scene.camera.width, scene.camera.height);
+  cur.picture = black;
+  const Outcome o = Meet(TestOptions(), ref, cur);
+  EXPECT_EQ(o.statistics.matched, 0);
+  EXPECT_GT(o.statistics.mismatched, o.statistics.total() / 2);
+  EXPECT_EQ(o.before.mu, o.after.mu);
+  EXPECT_EQ(o.before.sigma2, o.after.sigma2);
+}
+
+TEST(CpuBackendTest, CountsEveryLiveSeedOnceWhateverTheThreads) {
+  const auto frames = PlaneScene().Render(SidewaysPath(2));
+  Options options = TestOptions();
+  const auto seeds = Plant(options, frames[0], 1);
+  Columns first(seeds);
+  for (const int threads : {1, 2, 5}) {
+    options.threads = threads;
+    Columns columns(seeds);
+    columns.fate[7] = Fate::kRemoved;
+    std::vector<SeedGroup> groups(2, GroupOf(frames[0], frames[1], seeds.size()));
+    groups[0].end = groups[1].begin = seeds.size() / 3;
+    const auto statistics = MakeCpuBackend(options)->Update(
+        columns.View(), groups, CameraModel::kPinhole, frames[1].picture->grey.view());
+    EXPECT_EQ(statistics.total(), static_cast<std::int64_t>(seeds.size()) - 1);
+    if (threads == 1) {
+      first = columns;
+    } else {
+      EXPECT_TRUE(columns == first) << threads;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace livemvs

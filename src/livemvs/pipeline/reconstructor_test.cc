@@ -1,0 +1,282 @@
+#include "livemvs/pipeline/reconstructor.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+
+#include "livemvs/reference/algorithm1.h"
+#include "plane_scene.h"
+
+namespace livemvs {
+namespace {
+
+using testing_support::PlaneScene;
+using testing_support::SidewaysPath;
+using testing_support::TestOptions;
+
+constexpr int kFrames = 30;
+
+SceneRange NearFar(double unit = 1) {
+  SceneRange range;
+  range.near = 0.6 * unit;
+  range.far = 1.8 * unit;
+  return range;
+}
+
+struct Result {
+  PointCloud points;
+  ReconstructionStatistics statistics;
+  std::size_t live = 0;
+};
+
+Result Reconstruct(const Options& options,
+                   const SceneRange& range,
+                   const std::vector<PosedFrame>& frames) {
+  Reconstructor reconstructor(options, range);
+  std::size_t returned = 0;
+  for (const PosedFrame& frame : frames) returned += reconstructor.AddFrame(frame).size();
+  EXPECT_EQ(returned, reconstructor.points().size());
+  return {reconstructor.points(), reconstructor.statistics(), reconstructor.live_seeds()};
+}
+
+const std::vector<PosedFrame>& PlaneFrames() {
+  static const auto* frames =
+      new std::vector<PosedFrame>(PlaneScene().Render(SidewaysPath(kFrames)));
+  return *frames;
+}
+
+// The same pictures of a world that is measured in another unit.
+std::vector<PosedFrame> Scaled(std::vector<PosedFrame> frames, double unit) {
+  for (PosedFrame& f : frames) f.cam_from_world.translation *= unit;
+  return frames;
+}
+
+bool Identical(const PointCloud& a, const PointCloud& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].position != b[i].position || a[i].normal != b[i].normal || a[i].color != b[i].color ||
+        a[i].sigma != b[i].sigma || a[i].inlier_ratio != b[i].inlier_ratio ||
+        a[i].views != b[i].views) {
+      return false;
+    }
+  }
+  return true;
+}
+
+TEST(ReconstructorTest, FindsThePlane) {
+  const Result r = Reconstruct(TestOptions(), NearFar(), PlaneFrames());
+  ASSERT_GT(r.points.size(), 1000U);
+  const double pixel = 1.0 / 190;  // width of a pixel at depth 1
+  std::size_t good = 0;
+  for (const Point& p : r.points) {
+    good += std::abs(PlaneScene::HeightAbove(p.position.cast<double>())) < 3 * pixel;
+    EXPECT_NEAR(p.normal.norm(), 1, 1e-5);
+    EXPECT_GT(p.sigma, 0);
+    EXPECT_GT(p.inlier_ratio, TestOptions().eta_inlier);
+    EXPECT_GE(p.views, TestOptions().min_views);
+  }
+  EXPECT_GT(static_cast<double>(good), 0.99 * static_cast<double>(r.points.size()));
+}
+
+TEST(ReconstructorTest, EverySeedHasOneEnd) {
+  const Result r = Reconstruct(TestOptions(), NearFar(), PlaneFrames());
+  const auto& s = r.statistics;
+  EXPECT_EQ(s.frames, kFrames);
+  EXPECT_EQ(s.seeds_converged, static_cast<std::int64_t>(r.points.size()));
+  EXPECT_EQ(s.seeds_spawned,
+            static_cast<std::int64_t>(r.live) + s.seeds_converged + s.rejected_outlier +
+                s.rejected_aged + s.rejected_unseen + s.rejected_left_interval);
+}
+
+TEST(ReconstructorTest, MatchesTheReference) {
+  // Without thinning and covering both plant the same seeds; the clouds must be alike.
+  Options options = TestOptions();
+  options.max_seeds = 20'000;
+  options.seed_spacing_px = 5;
+  options.cover_radius_px = -1;
+  options.epsilon_px = 2;
+  const std::vector<PosedFrame> frames(PlaneFrames().begin(), PlaneFrames().begin() + 14);
+  const Result fast = Reconstruct(options, NearFar(), frames);
+  reference::Algorithm1 slow(options, 0.6, 1.8);
+  for (const PosedFrame& f : frames) slow.AddFrame(f);
+  const auto n = static_cast<double>(slow.points().size());
+  ASSERT_GT(n, 300);
+  EXPECT_NEAR(static_cast<double>(fast.points.size()), n, 0.02 * n);
+  const auto rms = [](const PointCloud& points) {
+    double sum = 0;
+    for (const Point& p : points) {
+      const double h = PlaneScene::HeightAbove(p.position.cast<double>());
+      sum += std::min(h * h, 1e-2);
+    }
+    return std::sqrt(sum / static_cast<double>(points.size()));
+  };
+  EXPECT_NEAR(rms(fast.points) / rms(slow.points()), 1, 0.1);
+}
+
+TEST(ReconstructorTest, TwoRunsAndAnyNumberOfThreadsGiveTheSameBytes) {
+  Options options = TestOptions();
+  const PointCloud first = Reconstruct(options, NearFar(), PlaneFrames()).points;
+  ASSERT_GT(first.size(), 1000U);
+  // More workers than cores, so that the number is real on any machine.
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 5);
+  for (const int threads : {1, 2, 5}) {
+    options.threads = threads;
+    EXPECT_TRUE(Identical(first, Reconstruct(options, NearFar(), PlaneFrames()).points)) << threads;
+  }
+}
+
+TEST(ReconstructorTest, UnitsOfPowersOfTwoChangeNothingButTheUnit) {
+  const PointCloud first = Reconstruct(TestOptions(), NearFar(), PlaneFrames()).points;
+  for (const float unit : {1024.0F, 1.0F / 1024}) {
+    const PointCloud scaled =
+        Reconstruct(TestOptions(), NearFar(unit), Scaled(PlaneFrames(), unit)).points;
+    ASSERT_EQ(scaled.size(), first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      ASSERT_EQ(scaled[i].position, first[i].position * unit) << i;
+      ASSERT_EQ(scaled[i].sigma, first[i].sigma * unit) << i;
+      ASSERT_EQ(scaled[i].inlier_ratio, first[i].inlier_ratio) << i;
+    }
+  }
+}
+
+// Clouds that differ by rounding: as many points, as accurate.
+void ExpectAlike(const PointCloud& a, const PointCloud& b) {
+  const auto n = static_cast<double>(a.size());
+  EXPECT_NEAR(static_cast<double>(b.size()), n, 0.01 * n);
+  const auto mean = [](const PointCloud& points) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Point& p : points) sum += p.position.cast<double>();
+    return Eigen::Vector3d(sum / static_cast<double>(points.size()));
+  };
+  EXPECT_LT((mean(a) - mean(b)).norm(), 2e-3);
+}
+
+TEST(ReconstructorTest, AnyUnitGivesTheSameScene) {
+  const PointCloud first = Reconstruct(TestOptions(), NearFar(), PlaneFrames()).points;
+  for (const double unit : {1000.0, 0.001}) {
+    PointCloud scaled =
+        Reconstruct(TestOptions(), NearFar(unit), Scaled(PlaneFrames(), unit)).points;
+    for (Point& p : scaled) p.position /= static_cast<float>(unit);
+    ExpectAlike(first, scaled);
+  }
+}
+
+TEST(ReconstructorTest, TheWorldsFrameDoesNotMatter) {
+  const Rigid3d new_from_old = {
+      Eigen::AngleAxisd(2, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix(),
+      {3, -2, 1}};
+  std::vector<PosedFrame> frames = PlaneFrames();
+  for (PosedFrame& f : frames) f.cam_from_world = f.cam_from_world * new_from_old.Inverse();
+  PointCloud moved = Reconstruct(TestOptions(), NearFar(), frames).points;
+  for (Point& p : moved) {
+    p.position = (new_from_old.Inverse() * p.position.cast<double>()).cast<float>();
+  }
+  ExpectAlike(Reconstruct(TestOptions(), NearFar(), PlaneFrames()).points, moved);
+}
+
+TEST(ReconstructorTest, StillOrTurningCamerasNeitherRejectNorConverge) {
+  for (const double turn : {0.0, 0.004}) {
+    std::vector<Rigid3d> poses;
+    for (int i = 0; i < 15; ++i) {
+      poses.push_back({Eigen::AngleAxisd(turn * i, Eigen::Vector3d(0.3, 1, 0.4).normalized())
+                           .toRotationMatrix(),
+                       {0, 0, 0}});
+    }
+    const Result r = Reconstruct(TestOptions(), NearFar(), PlaneScene().Render(poses));
+    EXPECT_GT(r.live, 1000U);
+    EXPECT_EQ(r.statistics.seeds_converged, 0);
+    EXPECT_EQ(r.statistics.rejected_outlier, 0);
+    EXPECT_EQ(r.statistics.rejected_aged, 0);
+    EXPECT_EQ(r.statistics.rejected_left_interval, 0);
+    EXPECT_EQ(r.statistics.updates.matched, 0);
+    EXPECT_EQ(r.statistics.updates.mismatched, 0);
+  }
+}
+
+TEST(ReconstructorTest, ABlackPictureDoesNoHarm) {
+  std::vector<PosedFrame> frames = PlaneFrames();
+  auto black = std::make_shared<Picture>();
+  black->grey = Image<std::uint8_t>(frames[0].camera.width, frames[0].camera.height);
+  frames[6].picture = black;
+  frames[7].picture = black;
+  const Result r = Reconstruct(TestOptions(), NearFar(), frames);
+  EXPECT_GT(r.points.size(), 1000U);
+  EXPECT_EQ(r.statistics.rejected_outlier, 0);
+}
+
+TEST(ReconstructorTest, AFrameThatLooksAwayDoesNoHarm) {
+  std::vector<PosedFrame> frames = PlaneFrames();
+  const Eigen::Matrix3d about =
+      Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  frames[6].cam_from_world = Rigid3d{about, {0, 0, 0}} * frames[6].cam_from_world;
+  Options options = TestOptions();
+  Reconstructor reconstructor(options, NearFar());
+  for (int i = 0; i < 6; ++i) reconstructor.AddFrame(frames[i]);
+  const auto before = reconstructor.statistics().updates;
+  const auto points = reconstructor.AddFrame(frames[6]).size();
+  const auto after = reconstructor.statistics().updates;
+  EXPECT_EQ(points, 0U);
+  EXPECT_EQ(after.total() - before.total(), after.out_of_view - before.out_of_view);
+  for (int i = 7; i < kFrames; ++i) reconstructor.AddFrame(frames[i]);
+  EXPECT_GT(reconstructor.points().size(), 1000U);
+}
+
+TEST(ReconstructorTest, WrongSizesAndOptionsAreRefused) {
+  PosedFrame frame = PlaneFrames()[0];
+  frame.camera.width += 1;
+  Reconstructor reconstructor(TestOptions(), NearFar());
+  EXPECT_THROW(reconstructor.AddFrame(frame), std::invalid_argument);
+  Options options = TestOptions();
+  options.prior_a = 0;
+  EXPECT_THROW(Reconstructor(options, NearFar()), std::invalid_argument);
+  EXPECT_THROW(Reconstructor(TestOptions(), SceneRange{}), std::invalid_argument);
+}
+
+// Half of the plane has no texture, only noise that differs from frame to frame.
+struct HalfPlain {
+  std::size_t points = 0;   // that come from the plain half
+  std::size_t planted = 0;  // upper bound: all seeds
+};
+
+HalfPlain RunHalfPlain(Options options) {
+  PlaneScene scene;
+  scene.plain_left = 0.05;
+  scene.noise = 4;
+  options.max_seeds = 6000;
+  options.seed_spacing_px = 2;
+  options.min_patch_stddev = 0;  // seeds everywhere: the posterior has to tell
+  options.threads = 2;
+  options.search = Search::kWindow;
+  const Result r = Reconstruct(options, NearFar(), scene.Render(SidewaysPath(60)));
+  HalfPlain result;
+  result.planted = static_cast<std::size_t>(r.statistics.seeds_spawned);
+  for (const Point& p : r.points) {
+    if (p.position.x() > 0.05F - 0.03F) continue;  // the patch reaches over the edge
+    ++result.points;
+  }
+  return result;
+}
+
+TEST(ReconstructorTest, NoPointsWhereThereIsNoTexture) {
+  const HalfPlain ours = RunHalfPlain(DefaultOptions());
+  const HalfPlain paper = RunHalfPlain(PaperOptions());
+  RecordProperty("default_false_points", static_cast<int>(ours.points));
+  RecordProperty("paper_false_points", static_cast<int>(paper.points));
+  ASSERT_GT(ours.planted, 3000U);
+  EXPECT_LE(static_cast<double>(ours.points), 0.01 * static_cast<double>(ours.planted));
+  EXPECT_GT(paper.points, ours.points);
+}
+
+TEST(ReconstructorTest, APlainWallGivesNothing) {
+  PlaneScene scene;
+  scene.contrast = 0;
+  scene.noise = 2;
+  const Result r = Reconstruct(TestOptions(), NearFar(), scene.Render(SidewaysPath(20)));
+  EXPECT_EQ(r.points.size(), 0U);
+}
+
+}  // namespace
+}  // namespace livemvs

@@ -1,0 +1,164 @@
+#include "livemvs/pipeline/spawner.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <set>
+
+#include "plane_scene.h"
+
+namespace livemvs {
+namespace {
+
+using testing_support::PlaneScene;
+using testing_support::TestOptions;
+
+SceneRange NearFar() {
+  SceneRange range;
+  range.near = 0.5;
+  range.far = 2;
+  return range;
+}
+
+class SpawnerTest : public ::testing::Test {
+ protected:
+  // Pixels of the pool's seeds in their own frame.
+  std::vector<Eigen::Vector2i> Pixels(const SeedPool& pool) const {
+    std::vector<Eigen::Vector2i> pixels;
+    for (std::size_t i = 0; i < pool.size(); ++i) {
+      const auto p = Projector(frame_.camera)
+                         .Project({pool.columns().bearing_x[i], pool.columns().bearing_y[i], 1});
+      pixels.emplace_back(std::lround(p->x()), std::lround(p->y()));
+    }
+    return pixels;
+  }
+
+  PlaneScene scene_;
+  PosedFrame frame_ = scene_.Render(Rigid3d{}, 4);
+  Options options_ = TestOptions();
+};
+
+TEST_F(SpawnerTest, PlantsThePriorOfSection42) {
+  SeedPool pool(4000);
+  const auto planted = Spawner(options_, NearFar()).Spawn(frame_, {}, &pool);
+  ASSERT_GT(planted, 1000);
+  EXPECT_EQ(static_cast<std::size_t>(planted), pool.size());
+  ASSERT_EQ(pool.references().size(), 1U);
+  EXPECT_EQ(pool.references()[0].frame_index, 4);
+  const SeedColumns& s = pool.columns();
+  for (std::size_t i = 0; i < pool.size(); ++i) {
+    ASSERT_EQ(s.mu[i], 0.5F);
+    // 99 % of the mass in [0, 1].
+    ASSERT_NEAR(std::erf(0.5 / std::sqrt(2.0 * s.sigma2[i])), 0.99, 1e-4);
+    ASSERT_EQ(s.a[i], options_.prior_a);
+    ASSERT_EQ(s.b[i], options_.prior_b);
+    const double norm = std::sqrt(1 + std::pow(s.bearing_x[i], 2) + std::pow(s.bearing_y[i], 2));
+    ASSERT_NEAR(1 / s.c0[i], 0.5 * norm, 1e-6);
+    ASSERT_NEAR(1 / s.c1[i], 2 * norm, 1e-6);
+  }
+  const auto pixels = Pixels(pool);
+  for (std::size_t i = 0; i < pool.size(); i += 37) {
+    for (int k = 0; k < kPatchPixels; ++k) {
+      ASSERT_EQ(s.patch[i * kPatchPixels + k],
+                frame_.picture->grey(pixels[i].x() + k % kPatchSize - kPatchRadius,
+                                     pixels[i].y() + k / kPatchSize - kPatchRadius));
+    }
+  }
+}
+
+TEST_F(SpawnerTest, IntervalsEndAtTheBox) {
+  SceneRange range;
+  range.near = 0.2;
+  range.far = 5;
+  range.box = Box{{-0.2, -0.15, 0.8}, {0.25, 0.2, 1.3}};
+  options_.coordinate = DepthCoordinate::kDepth;
+  SeedPool pool(4000);
+  ASSERT_GT(Spawner(options_, range).Spawn(frame_, {}, &pool), 300);
+  constexpr double kTolerance = 1e-5;
+  const auto on_surface = [&](const Eigen::Vector3d& p) {
+    const auto& box = *range.box;
+    const double inside =
+        std::min((p - box.min).minCoeff(), (box.max - p).minCoeff());  // 0 on the surface
+    return std::abs(inside) < kTolerance;
+  };
+  for (std::size_t i = 0; i < pool.size(); ++i) {
+    const SeedColumns& s = pool.columns();
+    const Eigen::Vector3d bearing = Eigen::Vector3d(s.bearing_x[i], s.bearing_y[i], 1).normalized();
+    ASSERT_TRUE(on_surface(bearing * s.c0[i])) << (bearing * s.c0[i]).transpose();
+    ASSERT_TRUE(on_surface(bearing * s.c1[i])) << (bearing * s.c1[i]).transpose();
+    ASSERT_LT(s.c0[i], s.c1[i]);
+  }
+}
+
+TEST_F(SpawnerTest, LiveSeedsKeepTheirPixels) {
+  SeedPool pool(20'000);
+  Spawner spawner(options_, NearFar());
+  ASSERT_GT(spawner.Spawn(frame_, {}, &pool), 1000);
+  EXPECT_EQ(spawner.Spawn(frame_, {}, &pool), 0) << "every pixel has its seed already";
+  options_.cover_radius_px = -1;
+  EXPECT_GT(Spawner(options_, NearFar()).Spawn(frame_, {}, &pool), 1000) << "as published";
+}
+
+TEST_F(SpawnerTest, PointsCoverOnlyTheSideTheyWereSeenFrom) {
+  // Points over the left half of the picture, at depth 1.
+  PointCloud points;
+  for (int y = 0; y < frame_.camera.height; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      Point p;
+      p.position = Projector(frame_.camera).Unproject({x, y})->cast<float>();
+      p.normal = -p.position.normalized();
+      points.push_back(p);
+    }
+  }
+  SeedPool pool(4000);
+  Spawner(options_, NearFar()).Spawn(frame_, points, &pool);
+  ASSERT_GT(pool.size(), 300U);
+  for (const auto& pixel : Pixels(pool)) EXPECT_GT(pixel.x(), 100);
+  // The same points, seen from behind.
+  for (Point& p : points) p.normal = -p.normal;
+  SeedPool all(4000);
+  Spawner(options_, NearFar()).Spawn(frame_, points, &all);
+  int left = 0;
+  for (const auto& pixel : Pixels(all)) left += pixel.x() < 100;
+  EXPECT_GT(left, 300);
+}
+
+TEST_F(SpawnerTest, ThinsEvenly) {
+  options_.seed_spacing_px = 1;
+  options_.min_patch_stddev = 0;
+  for (const std::size_t slots : {150U, 1000U, 7000U}) {
+    SeedPool pool(slots);
+    EXPECT_EQ(Spawner(options_, NearFar()).Spawn(frame_, {}, &pool),
+              static_cast<std::int64_t>(slots));
+    // The picture in 5 x 5 parts: each has its share, give or take a third and a few.
+    int count[25] = {};
+    for (const auto& p : Pixels(pool)) ++count[p.y() * 5 / 150 * 5 + p.x() * 5 / 200];
+    const double share = static_cast<double>(slots) / 25;
+    for (const int c : count) EXPECT_NEAR(c, share, share / 3 + 4) << slots;
+  }
+}
+
+TEST_F(SpawnerTest, NoSeedsWhereNothingCanMatch) {
+  scene_.plain_left = 0;  // the left half of the plane has noise only
+  scene_.noise = 1;
+  frame_ = scene_.Render(Rigid3d{}, 0);
+  SeedPool pool(4000);
+  ASSERT_GT(Spawner(options_, NearFar()).Spawn(frame_, {}, &pool), 300);
+  for (const auto& pixel : Pixels(pool)) EXPECT_GT(pixel.x(), frame_.camera.cx - 3);
+}
+
+TEST_F(SpawnerTest, TinyPicturesAndMissedBoxesGiveNoSeeds) {
+  SeedPool pool(100);
+  SceneRange behind;
+  behind.near = 0.1;
+  behind.far = 10;
+  behind.box = Box{{-1, -1, -3}, {1, 1, -2}};
+  EXPECT_EQ(Spawner(options_, behind).Spawn(frame_, {}, &pool), 0);
+  scene_.camera.width = 4;
+  scene_.camera.height = 3;
+  EXPECT_EQ(Spawner(options_, NearFar()).Spawn(scene_.Render(Rigid3d{}, 0), {}, &pool), 0);
+}
+
+}  // namespace
+}  // namespace livemvs
