@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "livemvs/eval/random.h"
 #include "livemvs/eval/report.h"
+#include "livemvs/eval/split_mix.h"
 
 namespace livemvs {
 namespace {
@@ -60,14 +60,14 @@ PointCloud Grid(float z, int n) {
   return cloud;
 }
 
-Eigen::Vector3d UniformVector(Random* random) {
+Eigen::Vector3d UniformVector(SplitMix64* random) {
   const double x = random->Uniform(), y = random->Uniform(), z = random->Uniform();
   return {x, y, z};
 }
 
 TEST(MeshSurface, DistanceToACubeIsExact) {
   const MeshSurface cube(UnitCube());
-  Random random(1);
+  SplitMix64 random(1);
   for (int i = 0; i < 5000; ++i) {
     const Eigen::Vector3d p = UniformVector(&random) * 4 - Eigen::Vector3d::Constant(1.5);
     ASSERT_NEAR(cube.Distance(p), CubeDistance(p), 1e-12) << p.transpose();
@@ -75,7 +75,7 @@ TEST(MeshSurface, DistanceToACubeIsExact) {
 }
 
 /// 200 small triangles at random, and one without area.
-TriangleMesh Soup(Random* random) {
+TriangleMesh Soup(SplitMix64* random) {
   TriangleMesh soup;
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector3d at = UniformVector(random);
@@ -89,7 +89,7 @@ TriangleMesh Soup(Random* random) {
 }
 
 TEST(MeshSurface, DistanceAndSightAgreeWithBruteForceOnTriangleSoup) {
-  Random random(2);
+  SplitMix64 random(2);
   const TriangleMesh soup = Soup(&random);
   const MeshSurface surface(soup);
   const auto corner = [&](const Eigen::Vector3i& f, int c) -> Eigen::Vector3d {
@@ -203,7 +203,7 @@ TEST(Evaluate, HalfOfTheSurfaceIsMissing) {
 }
 
 TEST(Evaluate, SphereAgainstACloudOfASphere) {
-  Random random(4);
+  SplitMix64 random(4);
   const auto sphere = [&](int n, double radius) {
     PointCloud cloud(static_cast<std::size_t>(n));
     for (Point& p : cloud) {

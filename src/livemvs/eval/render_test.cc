@@ -10,7 +10,7 @@
 
 #include "livemvs/eval/color_ramp.h"
 #include "livemvs/eval/plot.h"
-#include "livemvs/eval/random.h"
+#include "livemvs/eval/split_mix.h"
 #include "livemvs/eval/stroke_font.h"
 
 namespace livemvs {
@@ -50,7 +50,7 @@ CloudRenderOptions Plain() {
 
 /// Points in a block, one far out and one that is no number.
 PointCloud BlockWithOutliers() {
-  Random random(1);
+  SplitMix64 random(1);
   PointCloud cloud(2000);
   for (Point& p : cloud) {
     const double x = random.Uniform(), y = random.Uniform(), z = random.Uniform();
@@ -161,7 +161,7 @@ TEST(CloudRenderer, WhatIsNearerHides) {
 
 TEST(CloudRenderer, IsDeterministicAndTakesAllColors) {
   PointCloud cloud = SquareCloud(0, {90, 90, 90}, 30);
-  Random random(9);
+  SplitMix64 random(9);
   for (Point& p : cloud) {
     p.position.z() = static_cast<float>(0.3 * random.Uniform());
     p.sigma = static_cast<float>(random.Uniform());

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "livemvs/eval/random.h"
+#include "livemvs/eval/split_mix.h"
 
 namespace livemvs {
 namespace {
@@ -223,7 +223,7 @@ std::vector<Eigen::Vector3f> MeshSurface::Sample(std::size_t count,
   if (!(area > 0)) return samples;
 
   constexpr std::size_t kMaxTriesPerSample = 200;
-  Random random(seed);
+  SplitMix64 random(seed);
   samples.reserve(count);
   for (std::size_t tries = 0; samples.size() < count && tries / kMaxTriesPerSample < count;
        ++tries) {

@@ -6,9 +6,9 @@ namespace livemvs {
 
 /// A small generator whose numbers are the same on every platform: SplitMix64 (Steele, Lea and
 /// Flood, 2014).
-class Random {
+class SplitMix64 {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
+  explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
 
   std::uint64_t Bits() {
     state_ += 0x9e3779b97f4a7c15ull;
