@@ -131,6 +131,7 @@ void Options::Check() const {
   Require(warp_roll_deg >= 0, "warp_roll_deg", warp_roll_deg, "0 or more");
   Require(warp_scale >= 1 || warp_scale == 0, "warp_scale", warp_scale, "1 or more, or 0");
   Require(measurement_sigma_px > 0, "measurement_sigma_px", measurement_sigma_px, "positive");
+  Require(match_bias_px >= 0, "match_bias_px", match_bias_px, "0 or more");
   Require(image_noise >= 0, "image_noise", image_noise, "0 or more");
   Require(max_measurement_sigma_px >= measurement_sigma_px,
           "max_measurement_sigma_px",
@@ -156,16 +157,22 @@ void Options::Check() const {
 Options PaperOptions() {
   Options o;
   o.min_patch_stddev = 0;
+  o.prior_a = 10;
+  o.prior_b = 10;
   o.coordinate = DepthCoordinate::kDepth;
+  o.search_radius_px = 3;
   o.search_sigmas = 0;
-  o.search_radius_max_px = o.search_radius_px;
+  o.search_radius_max_px = 3;
   o.min_ncc = -1;
   o.ambiguity_ncc = 0;
   o.warp_roll_deg = 0;
   o.warp_scale = 0;
   o.measurement_sigma_px = 1;
   o.image_noise = 0;
+  o.match_bias_px = 0;
   o.outlier_density = OutlierDensity::kRange;
+  o.eta_outlier = 0.05F;
+  o.outlier_certainty = 0.99F;
   o.eta_inlier = 0.1F;
   o.epsilon_range = 0.01F;
   o.epsilon_px = 0;

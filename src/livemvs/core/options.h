@@ -39,23 +39,23 @@ struct Options {
   /// Points seen from directions further apart than this do not cover each other [degrees].
   float cover_angle_deg = 50;
   /// Least standard deviation of a patch's grey levels to be worth a seed.
-  float min_patch_stddev = 3;
+  float min_patch_stddev = 5;
 
   // --- The prior, [VH11] Sec. 4.2
   // ---------------------------------------------------------------------
-  float prior_a = 10;  ///< a_0
-  float prior_b = 10;  ///< b_0
+  float prior_a = 5;  ///< a_0
+  float prior_b = 5;  ///< b_0
   DepthCoordinate coordinate = DepthCoordinate::kInverseDepth;
 
   // --- The search, [VH11] Sec. 4.2
   // --------------------------------------------------------------------
   Search search = Search::kAuto;
   /// w, the least radius of the search window [px].
-  float search_radius_px = 3;
+  float search_radius_px = 2;
   /// The window grows to this many standard deviations of the posterior ...
-  float search_sigmas = 2.5F;
+  float search_sigmas = 2;
   /// ... but not beyond this radius [px].
-  float search_radius_max_px = 8;
+  float search_radius_max_px = 16;
   /// Least NCC score of a match; -1 accepts any local maximum, as published.
   float min_ncc = 0.6F;
   /// A second local maximum scoring within this of the best makes the frame tell nothing; 0: never.
@@ -75,20 +75,24 @@ struct Options {
   float image_noise = 2;
   /// tau beyond which a match tells nothing, because the patch is flat along the line [px].
   float max_measurement_sigma_px = 1.5F;
+  /// Error that all matches of a seed share, because its surface is slanted, its patch overlaps an
+  /// edge or the poses drift [px]. It does not average out, but shrinks as the baseline grows: the
+  /// posterior's variance at conversion is enlarged by it. 0: none, as published.
+  float match_bias_px = 0.15F;
   OutlierDensity outlier_density = OutlierDensity::kWindow;
 
   // --- The end of a seed, [VH11] Sec. 4.3
   // -------------------------------------------------------------
-  float eta_outlier = 0.05F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
-  float outlier_certainty = 0.99F;  ///< ... this.
+  float eta_outlier = 0.3F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
+  float outlier_certainty = 0.9F;  ///< ... this.
   float eta_inlier = 0.6F;          ///< Converted when the mean inlier ratio exceeds this, and ...
   /// ... epsilon: the standard deviation of depth is below this fraction of Z_max - Z_min, or ...
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f). At least one of the two must be
   /// positive.
-  float epsilon_px = 0.6F;
+  float epsilon_px = 1;
   /// Fewest measurements that agreed.
-  int min_views = 5;
+  int min_views = 8;
   /// Frames that told something, after which a seed that has not converged is given up; 0: never.
   int max_age = 150;
   /// Consecutive frames out of view after which a seed is given up; 0: never.
@@ -101,8 +105,8 @@ struct Options {
   void Check() const;
 };
 
-/// Calls `visit(name, field)` for every option: the one list that command line, files and printing use.
-/// Works on const and non-const Options.
+/// Calls `visit(name, field)` for every option: the one list that command line, files and printing
+/// use. Works on const and non-const Options.
 template <typename AnyOptions, typename Visit>
 void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("max_seeds", o.max_seeds);
@@ -125,6 +129,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("measurement_sigma_px", o.measurement_sigma_px);
   visit("image_noise", o.image_noise);
   visit("max_measurement_sigma_px", o.max_measurement_sigma_px);
+  visit("match_bias_px", o.match_bias_px);
   visit("outlier_density", o.outlier_density);
   visit("eta_outlier", o.eta_outlier);
   visit("outlier_certainty", o.outlier_certainty);
@@ -137,8 +142,8 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("threads", o.threads);
 }
 
-/// Sets an option from text: numbers, or the enumerators "depth", "inverse-depth"; "range", "window";
-/// "auto", "window", "full". @throws std::invalid_argument naming option and value.
+/// Sets an option from text: numbers, or the enumerators "depth", "inverse-depth"; "range",
+/// "window"; "auto", "window", "full". @throws std::invalid_argument naming option and value.
 void SetOption(Options* options, const std::string& name, const std::string& value);
 
 /// The option's value as SetOption takes it. @throws std::invalid_argument for an unknown name.

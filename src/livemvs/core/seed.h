@@ -59,18 +59,30 @@ LIVEMVS_HD inline T DepthRange(DepthCoordinate coordinate, const Interval<T>& in
   return std::abs(T(1) / interval.c0 - T(1) / interval.c1);
 }
 
+/// Variance of mu with the error that all matches share: `step` is the change of mu per pixel of
+/// the current frame, so that the term shrinks as the baseline grows.
+LIVEMVS_HD inline float TotalVariance(const Options& options, float sigma2, float step) {
+  const float bias = options.match_bias_px * step;
+  return sigma2 + bias * bias;
+}
+
 /// Decides the outcome of a seed after a frame, [VH11] Sec. 4.3.
-/// @param pixel_width  Width of a pixel at unit depth, 1 / f of the reference camera.
+/// @param total_sigma2  TotalVariance() in a frame that gave a match; negative in others, in which
+/// no
+///                      seed is converted.
+/// @param pixel_width   Width of a pixel at unit depth, 1 / f of the reference camera.
 LIVEMVS_HD inline Fate Judge(const Options& options,
                              const OutlierRule& is_outlier,
                              const Interval<float>& interval,
                              const Posterior<float>& q,
                              const SeedCounts& counts,
+                             float total_sigma2,
                              float pixel_width) {
   if (!(q.mu > -0.1F && q.mu < 1.1F)) return Fate::kLeftInterval;
   if (is_outlier(q.a, q.b)) return Fate::kOutlier;
-  if (InlierRatio(q) > options.eta_inlier && counts.views >= options.min_views) {
-    const DepthEstimate<float> z = DepthOf(options.coordinate, interval, q.mu, q.sigma2);
+  if (total_sigma2 >= 0 && InlierRatio(q) > options.eta_inlier &&
+      counts.views >= options.min_views) {
+    const DepthEstimate<float> z = DepthOf(options.coordinate, interval, q.mu, total_sigma2);
     if (z.sigma < options.epsilon_range * DepthRange(options.coordinate, interval) ||
         z.sigma < options.epsilon_px * pixel_width * z.depth) {
       // Beyond its interval is where the user did not want points.

@@ -23,7 +23,7 @@ class JudgeTest : public ::testing::Test {
               const SeedCounts& counts,
               float pixel_width = 1e-3F) const {
     const OutlierRule rule(options_.eta_outlier, options_.outlier_certainty);
-    return Judge(options_, rule, interval_, q, counts, pixel_width);
+    return Judge(options_, rule, interval_, q, counts, q.sigma2, pixel_width);
   }
 
   Options options_;

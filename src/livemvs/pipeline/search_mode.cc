@@ -30,7 +30,7 @@ Options ResolveSearch(const std::vector<CameraPose>& cameras,
   if (options.search == Search::kAuto) {
     // The window follows the projection of the mean; it must hold half of the interval at the first
     // step, and does well to about twice that, because a seed is planted in many frames.
-    const double reach = 4 * static_cast<double>(options.search_radius_max_px);
+    const double reach = 2 * static_cast<double>(options.search_radius_max_px);
     resolved.search =
         MedianDisparityRange(cameras, range) > reach ? Search::kFull : Search::kWindow;
   }

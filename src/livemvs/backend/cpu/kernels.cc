@@ -132,13 +132,21 @@ MatchStatus UpdateSeed(const UpdateJob& job, std::size_t i) {
   counts.unseen = status != MatchStatus::kOutOfView ? 0
                   : counts.unseen < 255             ? static_cast<std::uint8_t>(counts.unseen + 1)
                                                     : counts.unseen;
+  const float total_sigma2 =
+      status == MatchStatus::kMatched ? TotalVariance(*job.options, q.sigma2, 1 / p.rate) : -1;
+  const Fate fate = Judge(*job.options,
+                          *job.is_outlier,
+                          seed.interval,
+                          q,
+                          counts,
+                          total_sigma2,
+                          job.group->pixel_width);
   s.mu[i] = q.mu;
-  s.sigma2[i] = q.sigma2;
+  s.sigma2[i] = fate == Fate::kConverged ? total_sigma2 : q.sigma2;
   s.a[i] = q.a;
   s.b[i] = q.b;
   s.counts[i] = counts;
-  s.fate[i] =
-      Judge(*job.options, *job.is_outlier, seed.interval, q, counts, job.group->pixel_width);
+  s.fate[i] = fate;
   return status;
 }
 
