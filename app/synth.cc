@@ -145,7 +145,7 @@ std::string CommandLine(const CLI::App& command) {
   std::string line = "livemvs " + command.get_name();
   for (const CLI::Option* option : command.parse_order()) {
     line += " " + option->get_name();
-    if (option->get_type_size() == 0) continue;
+    if (option->get_expected_max() == 0) continue;
     std::string values;
     for (const std::string& value : option->results()) {
       values += (values.empty() ? "" : ",") + value;
