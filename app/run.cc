@@ -213,7 +213,6 @@ void Run(const RunArguments& args) {
   if (!args.stats.empty()) CheckWritable(args.stats);
   const ProgressMode progress_mode = ParseProgressMode(args.progress);
   const std::unique_ptr<Dataset> dataset = OpenDataset(args.dataset);
-  LogInfo(dataset->description());
   const SceneRange range = MakeRange(args, *dataset);
   LogInfo("looking for surfaces at " + Describe(range));
   options = ResolveSearch(CamerasOf(*dataset), range, options);

@@ -160,6 +160,7 @@ Options PaperOptions() {
   o.prior_a = 10;
   o.prior_b = 10;
   o.coordinate = DepthCoordinate::kDepth;
+  o.search = Search::kWindow;
   o.search_radius_px = 3;
   o.search_sigmas = 0;
   o.search_radius_max_px = 3;

@@ -33,6 +33,9 @@ struct Measurement {
 /// A search radius that the seed's interval always cuts short [px].
 constexpr float kWholeLine = 1e4F;
 
+/// Frames in which a seed may look for its first match on the whole line, which is long.
+constexpr int kBirthTries = 2;
+
 /// Width of a posterior that starts from a single match, in standard deviations of that match.
 constexpr float kBirthSigmas = 2;
 
@@ -128,19 +131,21 @@ MatchStatus UpdateSeed(const UpdateJob& job, std::size_t i) {
   } else if (status == MatchStatus::kMismatch) {
     q = Miss(q);
   }
-  if (status == MatchStatus::kMatched || status == MatchStatus::kMismatch) ++counts.age;
+  const bool told = status == MatchStatus::kMatched || status == MatchStatus::kMismatch;
+  if (told || (!seed.born && status == MatchStatus::kNoInformation)) ++counts.age;
   counts.unseen = status != MatchStatus::kOutOfView ? 0
                   : counts.unseen < 255             ? static_cast<std::uint8_t>(counts.unseen + 1)
                                                     : counts.unseen;
   const float total_sigma2 =
       status == MatchStatus::kMatched ? TotalVariance(*job.options, q.sigma2, 1 / p.rate) : -1;
-  const Fate fate = Judge(*job.options,
-                          *job.is_outlier,
-                          seed.interval,
-                          q,
-                          counts,
-                          total_sigma2,
-                          job.group->pixel_width);
+  Fate fate = Judge(*job.options,
+                    *job.is_outlier,
+                    seed.interval,
+                    q,
+                    counts,
+                    total_sigma2,
+                    job.group->pixel_width);
+  if (!seed.born && counts.views == 0 && counts.age >= kBirthTries) fate = Fate::kOutlier;
   s.mu[i] = q.mu;
   s.sigma2[i] = fate == Fate::kConverged ? total_sigma2 : q.sigma2;
   s.a[i] = q.a;
