@@ -117,6 +117,7 @@ Options TestOptions() {
   o.warp_scale = 0;
   o.measurement_sigma_px = 0.5F;
   o.image_noise = 2;
+  o.match_bias_px = 0.15F;
   o.max_measurement_sigma_px = 1.5F;
   o.outlier_density = OutlierDensity::kWindow;
   o.eta_outlier = 0.05F;

@@ -24,16 +24,24 @@ std::pair<double, double> DepthAndSigma(const Options& options, const Seed& seed
   return {DepthAt(options, seed, seed.posterior.mu), std::abs(rate) * sigma};
 }
 
+// With the error that all matches of a seed share (docs/algorithm.md).
+double TotalVariance(const Options& options, const Seed& seed, const Match& match) {
+  return seed.posterior.sigma2 + std::pow(options.match_bias_px * match.step, 2);
+}
+
 // [VH11] Sec. 4.3, with our further criteria (docs/algorithm.md).
-Fate JudgeSeed(const Options& options, const Seed& seed) {
+Fate JudgeSeed(const Options& options, const Seed& seed, const Match& match) {
   const Posterior<double>& q = seed.posterior;
   if (!(q.mu > -0.1 && q.mu < 1.1)) return Fate::kLeftInterval;
   if (options.eta_outlier > 0 &&
       BetaCdf(options.eta_outlier, q.a, q.b) > options.outlier_certainty) {
     return Fate::kOutlier;
   }
-  if (InlierRatio(q) > options.eta_inlier && seed.counts.views >= options.min_views) {
-    const auto [depth, sigma] = DepthAndSigma(options, seed);
+  if (match.status == MatchStatus::kMatched && InlierRatio(q) > options.eta_inlier &&
+      seed.counts.views >= options.min_views) {
+    Seed widened = seed;
+    widened.posterior.sigma2 = TotalVariance(options, seed, match);
+    const auto [depth, sigma] = DepthAndSigma(options, widened);
     const double range = std::abs(DepthAt(options, seed, 1) - DepthAt(options, seed, 0));
     const double pixel = depth / std::sqrt(std::abs(seed.camera.fx * seed.camera.fy));
     if (sigma < options.epsilon_range * range || sigma < options.epsilon_px * pixel) {
@@ -76,7 +84,10 @@ Match UpdateSeed(const Options& options, const Meeting& current, Seed* seed) {
   } else if (counts.unseen < 255) {
     ++counts.unseen;
   }
-  seed->fate = JudgeSeed(options, *seed);
+  seed->fate = JudgeSeed(options, *seed, match);
+  if (seed->fate == Fate::kConverged) {
+    seed->posterior.sigma2 = TotalVariance(options, *seed, match);
+  }
   return match;
 }
 

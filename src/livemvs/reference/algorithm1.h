@@ -40,6 +40,7 @@ struct Match {
   double mu = 0;      ///< Measured coordinate, in the seed's interval.
   double tau2 = 0;    ///< Its variance.
   double u = 0;       ///< Density of outliers.
+  double step = 0;    ///< Change of mu per pixel of the current image.
 };
 
 /// Steps 2a and 2b of Algorithm 1 [VH11] for one seed. Points are projected one by one through

@@ -229,7 +229,7 @@ Match FindMatch(const Options& options, const Seed& seed, const Meeting& current
   if (options.ambiguity_ncc > 0 && peaks.second > peaks.best - options.ambiguity_ncc) {
     return {MatchStatus::kNoInformation};
   }
-  Match match{MatchStatus::kMatched, peaks.best, peaks.offset, 0, 0, 1};
+  Match match{MatchStatus::kMatched, peaks.best, peaks.offset, 0, 0, 1, 1 / line.rate()};
   // The parabola through three samples half a pixel apart.
   const double low = score_at(peaks.offset - 0.5), high = score_at(peaks.offset + 0.5);
   const double curvature = low - 2 * peaks.best + high;
