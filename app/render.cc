@@ -103,6 +103,16 @@ class Scene {
   const PointCloud& points() const { return points_; }
   const Eigen::Vector3d& towards_cameras() const { return towards_cameras_; }
 
+  /// Looks from where the cameras were, where the points do not tell.
+  void UseViews(const std::vector<DatasetView>& views) {
+    constexpr double kUnknown = 0.05;
+    if (towards_cameras_.norm() > kUnknown) return;
+    for (const DatasetView& v : views) {
+      towards_cameras_ -=
+          v.cam_from_world.rotation.row(2).transpose() / static_cast<double>(views.size());
+    }
+  }
+
   RgbImage Draw(const RenderView& view) const {
     return renderer_ ? renderer_->Draw(view) : RenderMesh(mesh_, view, options_);
   }
@@ -135,13 +145,6 @@ class Scene {
   std::optional<CloudRenderer> renderer_;
   CloudRenderOptions options_;
 };
-
-/// Mean of what is up for the cameras, for filmed scenes the best guess there is.
-Eigen::Vector3d UpOfCameras(const std::vector<DatasetView>& views) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const DatasetView& v : views) sum -= v.cam_from_world.rotation.row(1).transpose();
-  return sum;
-}
 
 /// The view of a frame of the data set, to compare with its picture.
 RenderView ViewOfFrame(const Dataset& dataset, std::int64_t frame, const Scene& scene) {
@@ -269,12 +272,13 @@ void RunRender(RenderArguments args) {
     DatasetOptions options;
     options.data = args.data;
     dataset = OpenDataset(options);
-    const Eigen::Vector3d up = UpOfCameras(dataset->views());
-    if (!args.fit.up && up.norm() > 0.3 * static_cast<double>(dataset->views().size())) {
-      args.fit.up = up;
-    }
+    std::vector<Rigid3d> cams_from_world;
+    for (const DatasetView& v : dataset->views()) cams_from_world.push_back(v.cam_from_world);
+    const Eigen::Vector3d up = UpOfCameras(cams_from_world);
+    if (!args.fit.up && !up.isZero()) args.fit.up = up;
   }
-  const Scene scene(ReadPly(args.input), box, args.options);
+  Scene scene(ReadPly(args.input), box, args.options);
+  if (dataset) scene.UseViews(dataset->views());
   if (scene.points().empty()) {
     LogWarning(args.input + ": there is nothing to see" + (box ? " in the box" : ""));
   }

@@ -118,6 +118,13 @@ void DrawScaleBar(RgbImage* image, const RenderView& view, const std::string& un
               TextAlign::kCenter);
 }
 
+/// Rounded to two digits, as a label needs them.
+double TwoDigits(double value) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 1);
+  return std::round(value / unit) * unit;
+}
+
 void DrawRamp(RgbImage* image, const Scalar& scalar, const std::string& unit) {
   const double size = std::max(1.0, image->height() / 800.0);
   const int width = static_cast<int>(14 * size), height = static_cast<int>(160 * size);
@@ -128,9 +135,10 @@ void DrawRamp(RgbImage* image, const Scalar& scalar, const std::string& unit) {
     canvas.Fill(x, y + row, x + width, y + row + 1, RampColor(1 - row / (height - 1.0)));
   }
   const double text = 10 * size, left = x - 8 * size;
-  canvas.Text({left, y + text}, WithUnit(scalar.hi, unit), text, kInk, TextAlign::kRight);
+  canvas.Text(
+      {left, y + text}, WithUnit(TwoDigits(scalar.hi), unit), text, kInk, TextAlign::kRight);
   canvas.Text({left, static_cast<double>(y + height)},
-              WithUnit(scalar.lo, unit),
+              WithUnit(TwoDigits(scalar.lo), unit),
               text,
               kInk,
               TextAlign::kRight);

@@ -133,6 +133,21 @@ TEST(GuessUp, LevelPlanesSeenFromAboveDecide) {
   EXPECT_EQ(GuessUp(table, {0.1, -0.4, -0.8}), Eigen::Vector3d(0, -1, 0));
 }
 
+TEST(UpOfCameras, IsTheAxisOfAnOrbitAndTheImagesTopOtherwise) {
+  // Cameras on a quarter of a circle, 40 degrees above it, looking at its middle.
+  std::vector<Rigid3d> orbit;
+  for (double angle = 0; angle < 1.6; angle += 0.1) {
+    ViewOptions options = FromAbove();
+    options.up = Eigen::Vector3d(0, 0, 1);
+    options.direction = Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.84);
+    orbit.push_back(FitView({}, Eigen::Vector3d::Zero(), options).cam_from_world);
+  }
+  EXPECT_GT(UpOfCameras(orbit).z(), std::cos(3 * M_PI / 180));
+  EXPECT_NEAR(UpOfCameras(orbit).norm(), 1, 1e-12);
+  EXPECT_NEAR((UpOfCameras({Rigid3d{}}) - Eigen::Vector3d(0, -1, 0)).norm(), 0, 1e-9);
+  EXPECT_TRUE(UpOfCameras({}).isZero());
+}
+
 TEST(CloudRenderer, ClosesTheSurfaceInItsColor) {
   const PointCloud cloud = SquareCloud(0, {200, 40, 40});
   const RgbImage image = CloudRenderer(cloud, Plain()).Draw(FitView(cloud, {0, 0, 1}, FromAbove()));

@@ -48,7 +48,7 @@ std::vector<Disc> ProjectSplats(const std::vector<Splat>& splats,
   const Eigen::Matrix3f rotation = view.cam_from_world.rotation.cast<float>();
   // Something right in front of the viewer must not cover the picture.
   const double near = 0.02 * view.focus_depth;
-  const float max_radius_px = static_cast<float>(camera.height) / 40;
+  const float max_radius_px = static_cast<float>(camera.height) / 64;
   std::vector<Disc> discs(splats.size());
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, splats.size(), 4096),

@@ -1,5 +1,6 @@
 #include "livemvs/eval/view.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -124,6 +125,25 @@ Eigen::Vector3d GuessUp(const PointCloud& cloud, const Eigen::Vector3d& towards_
                           candidates.end(),
                           [](const Candidate& a, const Candidate& b) { return a.score < b.score; })
       ->up;
+}
+
+Eigen::Vector3d UpOfCameras(const std::vector<Rigid3d>& cams_from_world) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d rows = Eigen::Matrix3d::Zero();
+  for (const Rigid3d& cam : cams_from_world) {
+    const Eigen::Vector3d right = cam.rotation.row(0);
+    rows += right * right.transpose();
+    mean -= cam.rotation.row(1).transpose();
+  }
+  if (mean.norm() < 1e-9) return Eigen::Vector3d::Zero();
+  // The least of u' rows u, with a little weight on staying near the mean.
+  constexpr double kMeanWeight = 0.01;
+  const Eigen::Vector3d m = mean.normalized();
+  rows /= static_cast<double>(cams_from_world.size());
+  rows += kMeanWeight * (Eigen::Matrix3d::Identity() - m * m.transpose());
+  const Eigen::Vector3d up =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(rows).eigenvectors().col(0);
+  return up.dot(m) < 0 ? Eigen::Vector3d(-up) : up;
 }
 
 RenderView FitView(const PointCloud& cloud,

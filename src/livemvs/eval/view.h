@@ -43,6 +43,11 @@ Eigen::Vector3d MeanViewingDirection(const PointCloud& cloud);
 /// @param towards_cameras  MeanViewingDirection().
 Eigen::Vector3d GuessUp(const PointCloud& cloud, const Eigen::Vector3d& towards_cameras);
 
+/// Which way is up for the cameras that filmed a scene: the direction level to all their rows,
+/// since people hold a camera level; where all look the same way, that of their columns counts.
+/// Unit; zero without cameras.
+Eigen::Vector3d UpOfCameras(const std::vector<Rigid3d>& cams_from_world);
+
 /// A view from `options` that shows all but the outermost percent of the finite points. Without
 /// points it looks at the origin.
 /// @param towards_cameras  MeanViewingDirection(), used where no direction is given.
