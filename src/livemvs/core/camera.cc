@@ -45,7 +45,7 @@ double MaxValidRadius2(const Camera& camera) {
   if (camera.model == CameraModel::kPinhole) return kMaxRadius2;
   // March outwards along both diagonals' worst case: the radial derivative must stay positive.
   const double r_max = std::sqrt(kMaxRadius2);
-  constexpr int kSteps = 2000;
+  constexpr int kSteps = 500;
   double valid = 0;
   for (int i = 1; i <= kSteps; ++i) {
     const double r = r_max * i / kSteps;

@@ -8,6 +8,7 @@ template <typename T>
 RelativeView<T> MakeRelativeView(const Camera& ref,
                                  const Rigid3d& ref_from_world,
                                  const Camera& cur,
+                                 const CameraParams<T>& cur_params,
                                  const Rigid3d& cur_from_world) {
   const Rigid3d cur_from_ref = cur_from_world * ref_from_world.Inverse();
   RelativeView<T> view;
@@ -15,7 +16,7 @@ RelativeView<T> MakeRelativeView(const Camera& ref,
     for (int j = 0; j < 3; ++j) view.r[3 * i + j] = static_cast<T>(cur_from_ref.rotation(i, j));
     view.t[i] = static_cast<T>(cur_from_ref.translation[i]);
   }
-  view.camera = MakeCameraParams<T>(cur);
+  view.camera = cur_params;
   view.width = static_cast<T>(cur.width);
   view.height = static_cast<T>(cur.height);
   // The rotation nearest to the upper left 2 x 2 block turns the picture about the optical axis. A
@@ -31,13 +32,9 @@ RelativeView<T> MakeRelativeView(const Camera& ref,
   return view;
 }
 
-template RelativeView<float> MakeRelativeView(const Camera&,
-                                              const Rigid3d&,
-                                              const Camera&,
-                                              const Rigid3d&);
-template RelativeView<double> MakeRelativeView(const Camera&,
-                                               const Rigid3d&,
-                                               const Camera&,
-                                               const Rigid3d&);
+template RelativeView<float> MakeRelativeView(
+    const Camera&, const Rigid3d&, const Camera&, const CameraParams<float>&, const Rigid3d&);
+template RelativeView<double> MakeRelativeView(
+    const Camera&, const Rigid3d&, const Camera&, const CameraParams<double>&, const Rigid3d&);
 
 }  // namespace livemvs

@@ -37,11 +37,22 @@ struct RelativeView {
   T focal_ratio;           ///< Focal length of the current over that of the reference frame.
 };
 
+/// @param cur_params  MakeCameraParams() of `cur`, which is worth making once for all reference
+/// frames.
 template <typename T>
 RelativeView<T> MakeRelativeView(const Camera& ref,
                                  const Rigid3d& ref_from_world,
                                  const Camera& cur,
+                                 const CameraParams<T>& cur_params,
                                  const Rigid3d& cur_from_world);
+
+template <typename T>
+RelativeView<T> MakeRelativeView(const Camera& ref,
+                                 const Rigid3d& ref_from_world,
+                                 const Camera& cur,
+                                 const Rigid3d& cur_from_world) {
+  return MakeRelativeView(ref, ref_from_world, cur, MakeCameraParams<T>(cur), cur_from_world);
+}
 
 /// A seed's posterior mean in the current image and how it moves there with mu.
 template <typename T>

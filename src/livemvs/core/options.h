@@ -53,7 +53,7 @@ struct Options {
   /// w, the least radius of the search window [px].
   float search_radius_px = 2;
   /// The window grows to this many standard deviations of the posterior ...
-  float search_sigmas = 2;
+  float search_sigmas = 2.5F;
   /// ... but not beyond this radius [px].
   float search_radius_max_px = 16;
   /// Least NCC score of a match; -1 accepts any local maximum, as published.
@@ -85,7 +85,7 @@ struct Options {
   // -------------------------------------------------------------
   float eta_outlier = 0.3F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
   float outlier_certainty = 0.9F;  ///< ... this.
-  float eta_inlier = 0.6F;          ///< Converted when the mean inlier ratio exceeds this, and ...
+  float eta_inlier = 0.65F;        ///< Converted when the mean inlier ratio exceeds this, and ...
   /// ... epsilon: the standard deviation of depth is below this fraction of Z_max - Z_min, or ...
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f). At least one of the two must be

@@ -1,8 +1,8 @@
 #pragma once
 
-/// Marks per-seed mathematics that is compiled both for the host and, by nvcc, for the device. On the host
-/// it is always inlined, so that each instruction set's kernel has its own copy and the linker cannot give
-/// one set's code to another.
+/// Marks per-seed mathematics that is compiled both for the host and, by nvcc, for the device. On
+/// the host it is always inlined, so that each instruction set's kernel has its own copy and the
+/// linker cannot give one set's code to another.
 #if defined(__CUDACC__)
 #define LIVEMVS_HD __host__ __device__
 #else

@@ -51,12 +51,16 @@ std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
 void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.update_seconds);
   groups_.clear();
+  const CameraParams<float> params = MakeCameraParams<float>(frame.camera);
   for (const ReferenceFrame& reference : pool_.references()) {
     groups_.push_back(
         {reference.begin,
          reference.end,
-         MakeRelativeView<float>(
-             reference.camera, reference.cam_from_world, frame.camera, frame.cam_from_world),
+         MakeRelativeView(reference.camera,
+                          reference.cam_from_world,
+                          frame.camera,
+                          params,
+                          frame.cam_from_world),
          static_cast<float>(1 / std::sqrt(std::abs(reference.camera.fx * reference.camera.fy)))});
   }
   statistics_.updates +=

@@ -81,9 +81,10 @@ void Spawner::Stamp(float x, float y) {
 
 void Spawner::CoverBySeeds(const PosedFrame& frame, const SeedPool& pool) {
   const SeedColumns& s = pool.columns();
+  const CameraParams<float> params = MakeCameraParams<float>(frame.camera);
   for (const ReferenceFrame& reference : pool.references()) {
-    const RelativeView<float> view = MakeRelativeView<float>(
-        reference.camera, reference.cam_from_world, frame.camera, frame.cam_from_world);
+    const RelativeView<float> view = MakeRelativeView(
+        reference.camera, reference.cam_from_world, frame.camera, params, frame.cam_from_world);
     VisitModel(frame.camera.model, [&](auto model) {
       tbb::parallel_for(tbb::blocked_range(reference.begin, reference.end), [&](const auto& block) {
         for (std::size_t i = block.begin(); i < block.end(); ++i) {

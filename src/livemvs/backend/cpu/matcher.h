@@ -20,8 +20,25 @@ inline Vec8 LoadBytes(const std::uint8_t* p) {
 #endif
 }
 
+using Vec4 = float __attribute__((vector_size(16)));
+
+/// The upper four floats added to the lower four.
+inline Vec4 Fold(const Vec8& v) {
+  return __builtin_shufflevector(v, v, 0, 1, 2, 3) + __builtin_shufflevector(v, v, 4, 5, 6, 7);
+}
+
+/// The sums of three vectors, in the first three places.
+inline Vec4 Sums(const Vec8& a, const Vec8& b, const Vec8& c) {
+  const Vec4 fa = Fold(a), fb = Fold(b), fc = Fold(c);
+  const Vec4 ab = __builtin_shufflevector(fa, fb, 0, 4, 1, 5) +
+                  __builtin_shufflevector(fa, fb, 2, 6, 3, 7);       // a0+a2 b0+b2 a1+a3 b1+b3
+  const Vec4 cc = fc + __builtin_shufflevector(fc, fc, 2, 3, 2, 3);  // c0+c2 c1+c3
+  return __builtin_shufflevector(ab, cc, 0, 1, 4, 4) + __builtin_shufflevector(ab, cc, 2, 3, 5, 5);
+}
+
 inline float Sum(const Vec8& v) {
-  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+  const Vec4 f = Fold(v);
+  return (f[0] + f[2]) + (f[1] + f[3]);
 }
 
 /// The reference patch with its mean taken off, rows padded with zeros, and its second moments.
@@ -66,11 +83,16 @@ inline float GradientAlong(const std::uint8_t* patch, float ex, float ey) {
 }
 
 inline float Score(const Template& t, const Vec8& sums, const Vec8& squares, const Vec8& products) {
-  const float sum = Sum(sums);
-  const float variance = Sum(squares) - sum * sum * (1.0F / kPatchPixels);
+  const Vec4 total = Sums(sums, squares, products);
+  const float variance = total[1] - total[0] * total[0] * (1.0F / kPatchPixels);
   // A window without contrast (below rounding) matches nothing.
   const float floor = variance > 1.0F ? variance : 1.0F;
-  return Sum(products) / std::sqrt(floor * t.sum_of_squares);
+  return total[2] / std::sqrt(floor * t.sum_of_squares);
+}
+
+/// Each pixel moved by the fraction fx towards its right neighbour; the last place is not valid.
+inline Vec8 Between(const Vec8& row, float fx) {
+  return row + fx * (__builtin_shufflevector(row, row, 1, 2, 3, 4, 5, 6, 7, 7) - row);
 }
 
 /// Samples the current image on the pixel grid of the reference patch.
@@ -85,12 +107,10 @@ struct AlignedSampler {
                             (static_cast<std::ptrdiff_t>(y0) - kPatchRadius) * image.stride +
                             (static_cast<std::ptrdiff_t>(x0) - kPatchRadius);
     Vec8 sums = {}, squares = {}, products = {};
-    Vec8 above = LoadBytes(p);
-    above += fx * (LoadBytes(p + 1) - above);
+    Vec8 above = Between(LoadBytes(p), fx);
     for (int r = 0; r < kPatchSize; ++r) {
       p += image.stride;
-      Vec8 below = LoadBytes(p);
-      below += fx * (LoadBytes(p + 1) - below);
+      const Vec8 below = Between(LoadBytes(p), fx);
       const Vec8 v = (above + fy * (below - above)) * kRowMask;
       sums += v;
       squares += v * v;
