@@ -74,7 +74,7 @@ std::vector<CameraPose> CamerasOf(const Dataset& dataset) {
   return cameras;
 }
 
-SceneRange MakeRange(const RunArguments& args, const Dataset& dataset) {
+SceneRange RangeOf(const RunArguments& args, const Dataset& dataset) {
   const std::vector<CameraPose> cameras = CamerasOf(dataset);
   SceneRange range;
   if (!args.box.empty()) {
@@ -98,6 +98,15 @@ SceneRange MakeRange(const RunArguments& args, const Dataset& dataset) {
   if (args.far > 0) range.far = args.far;
   range.Check();
   return range;
+}
+
+// An empty range is bad input, wherever it comes from.
+SceneRange MakeRange(const RunArguments& args, const Dataset& dataset) {
+  try {
+    return RangeOf(args, dataset);
+  } catch (const std::invalid_argument& e) {
+    throw BadInput(e.what());
+  }
 }
 
 std::string Describe(const SceneRange& range) {

@@ -165,7 +165,11 @@ void AtomicFile::Commit() {
 
 void CheckWritable(const fs::path& path) {
   // The permission bits do not tell all (read-only file systems, over-long names): try it.
-  AtomicFile probe(path);
+  try {
+    AtomicFile probe(path);
+  } catch (const Error& e) {
+    throw BadInput(e.what());
+  }
 }
 
 }  // namespace livemvs

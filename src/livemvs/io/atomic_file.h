@@ -49,7 +49,7 @@ class AtomicFile {
 
 /// Finds out before the work whether an AtomicFile could be made at `path`: its directory is there
 /// and writable, and `path` is not a directory or a read-only file.
-/// @throws Error (kOutOfResource) naming path and remedy.
+/// @throws Error (kBadInput) naming path and remedy.
 void CheckWritable(const std::filesystem::path& path);
 
 }  // namespace livemvs

@@ -43,7 +43,7 @@ class AtomicFileTest : public ::testing::Test {
       CheckWritable(path);
       FAIL() << path << " passed as writable";
     } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::kOutOfResource);
+      EXPECT_EQ(e.kind(), ErrorKind::kBadInput);
       EXPECT_THAT(e.what(), HasSubstr(path.string()));
       EXPECT_THAT(e.what(), HasSubstr(part));
     }

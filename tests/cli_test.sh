@@ -1,0 +1,122 @@
+#!/usr/bin/env bash
+# Usage: tests/cli_test.sh PROGRAM SAMPLE-FOLDER
+#
+# Runs the program the way people do, on good input and bad, and checks exit codes, messages and files.
+
+set -u
+program=$1
+sample=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0
+failed=0
+
+# expect CODE TEXT COMMAND...: the command ends with CODE and its output holds TEXT.
+expect() {
+  local code=$1 text=$2
+  shift 2
+  "$@" >"$work/log" 2>&1 </dev/null
+  local status=$?
+  if ((status == code)) && grep -qF -- "$text" "$work/log"; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    printf 'FAILED: %s\n  exit code %d, expected %d; expected to read "%s"; was:\n' "$*" "$status" "$code" "$text"
+    sed 's/^/  /' "$work/log"
+  fi
+}
+
+# check MESSAGE COMMAND...: the command succeeds.
+check() {
+  local message=$1
+  shift
+  if "$@"; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    printf 'FAILED: %s\n' "$message"
+  fi
+}
+
+copy_sample() {
+  rm -rf "$work/data"
+  cp -r "$sample" "$work/data"
+}
+
+run() { "$program" run --seeds 4000 -o "$work/out.ply" "$@"; }
+vertices() { head -c 2000 "$1" | grep -a '^element vertex' | cut -d' ' -f3; }
+
+# --- Good input -------------------------------------------------------------------------------------
+expect 0 "points from 40 frames" run --data "$sample" --last-frame 39 --stats "$work/out.json"
+check "no points converged" test "$(vertices "$work/out.ply")" -gt 100
+check "statistics were not written" grep -q '"per_second"' "$work/out.json"
+expect 0 '"stage":"reconstruct"' run --data "$sample" --last-frame 9 --progress json
+expect 0 "livemvs run --data" "$program" run --help
+expect 0 "mm" "$program" eval "$work/out.ply" "$sample/mesh.ply.gz" --json "$work/eval.json"
+expect 0 "cloud.png" "$program" render "$work/out.ply" -o "$work/cloud.png" --size 320x240
+expect 0 "180" "$program" info "$sample" --quick
+
+# A video that breaks off: what is there is reconstructed.
+copy_sample
+head -c 2000000 "$sample/video.mp4" >"$work/data/video.mp4"
+expect 0 "warning" run --data "$work/data"
+check "nothing of the cut video was reconstructed" test "$(vertices "$work/out.ply")" -gt 100
+
+# --- Interrupted ------------------------------------------------------------------------------------
+rm -f "$work/out.ply"
+"$program" run --data "$sample" --seeds 100000 -o "$work/out.ply" >"$work/log" 2>&1 &
+pid=$!
+sleep 3
+interrupt_time=$(date +%s%N)
+kill -TERM $pid
+wait $pid
+status=$?
+check "interrupted run ended with $status, not 130" test $status -eq 130
+check "interrupted run took over 5 s to end" test $((($(date +%s%N) - interrupt_time) / 1000000)) -lt 5000
+check "interrupted run wrote no cloud" test -s "$work/out.ply"
+
+# --- Bad usage --------------------------------------------------------------------------------------
+expect 2 "--data" "$program" run -o "$work/out.ply"
+expect 2 "preset 'fast' is unknown" run --data "$sample" --preset fast
+expect 2 "option eta_inlier" run --data "$sample" --set eta_inlier=2
+expect 2 "option 'speed' is unknown" run --data "$sample" --set speed=1
+
+# --- Bad input: the file, the place, the remedy; and what was there stays ----------------------------
+echo "precious" >"$work/out.ply"
+expect 3 "no such file or folder" run --data "$work/absent"
+mkdir "$work/empty"
+expect 3 "Supported are" run --data "$work/empty"
+: >"$work/empty/zero.mp4"
+expect 3 "zero.mp4" run --data "$work/empty/zero.mp4" --poses "$sample/poses.txt" --camera 900,900,480,360
+echo "this is no video" >"$work/text.mp4"
+expect 3 "text.mp4" run --data "$work/text.mp4" --poses "$sample/poses.txt" --camera 900,900,480,360
+copy_sample
+sed -i '5s/ [^ ]*$/ nan/' "$work/data/poses.txt"
+expect 3 "poses.txt:5" run --data "$work/data"
+copy_sample
+sed -i '5s/^\([^ ]*\) [^ ]*/\1 7.5/' "$work/data/poses.txt"
+expect 3 "not a rotation" run --data "$work/data"
+copy_sample
+for i in 180 181 182; do tail -1 "$sample/poses.txt" | sed "s/^[0-9]*/$i/" >>"$work/data/poses.txt"; done
+expect 3 "183" run --data "$work/data"
+copy_sample
+echo "0 900 480 360 960 720" >"$work/data/intrinsics.txt"
+expect 3 "intrinsics.txt" run --data "$work/data"
+echo "900 900 480 360 640 480" >"$work/data/intrinsics.txt"
+expect 3 "960 x 720" run --data "$work/data"
+mkdir "$work/json"
+printf '%10000s' '' | tr ' ' '[' >"$work/json/transforms.json"
+expect 3 "transforms.json" run --data "$work/json"
+expect 3 "near less than far" run --data "$sample" --near 2 --far 1
+expect 3 "the box is empty" run --data "$sample" --box 0 0 0 0 1 1
+expect 3 "does not exist" "$program" run --data "$sample" -o "$work/absent/out.ply"
+expect 3 "is a directory" "$program" run --data "$sample" -o "$work"
+check "an output from before was touched by a run that failed" grep -qx precious "$work/out.ply"
+
+# --- Out of resources -------------------------------------------------------------------------------
+if [[ -e /dev/full ]]; then
+  expect 4 "disk full" "$program" run --data "$sample" --seeds 1000 --last-frame 20 -o /dev/full
+fi
+
+printf '%d passed, %d failed\n' "$passed" "$failed"
+((failed == 0))
