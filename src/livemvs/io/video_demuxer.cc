@@ -132,12 +132,11 @@ void VideoDemuxer::ReadAhead() {
     }
     if (packet->stream_index != stream_->index) continue;
     ++packets_;
+    if (packet->flags & AV_PKT_FLAG_KEY) place_ = {place_.group + 1, packet->pts};
     if (packet->size == 0) continue;  // AVI: show the picture before for longer.
     if (packet->pts != AV_NOPTS_VALUE && !IsHidden(*packet, stream_->codecpar->codec_id)) {
-      pending_.insert(packet->pts);
+      pending_.emplace(packet->pts, place_);
     }
-    // What was cut short would decode to a picture that is grey in its lower part.
-    if (packet->flags & AV_PKT_FLAG_CORRUPT) continue;
     ahead_.push_back(std::move(packet));
     return;
   }
@@ -153,14 +152,19 @@ ffmpeg::Packet VideoDemuxer::Next() {
   return packet;
 }
 
-std::int64_t VideoDemuxer::Pass(std::int64_t pts) {
-  std::int64_t lost = 0;
-  while (!pending_.empty() && *pending_.begin() < pts) {
+VideoDemuxer::Passed VideoDemuxer::Pass(std::int64_t pts) {
+  Passed passed;
+  const auto here = pending_.find(pts);
+  if (here != pending_.end()) passed.group = here->second.group;
+  while (!pending_.empty() && pending_.begin()->first < pts) {
+    const auto& [lost_pts, lost] = *pending_.begin();
+    // What is shown before its key frame is referred to by its like alone.
+    passed.lost_reference |= lost.group == passed.group && lost_pts >= lost.key_pts;
     pending_.erase(pending_.begin());
-    ++lost;
+    ++passed.lost;
   }
-  if (!pending_.empty() && *pending_.begin() == pts) pending_.erase(pending_.begin());
-  return lost;
+  pending_.erase(pts);
+  return passed;
 }
 
 }  // namespace livemvs

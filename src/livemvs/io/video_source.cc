@@ -18,7 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-ffmpeg::CodecContext OpenDecoder(const fs::path& path, const AVStream& stream, int threads) {
+ffmpeg::CodecContext OpenDecoder(const fs::path& path,
+                                 const AVStream& stream,
+                                 const VideoSourceOptions& options) {
   const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
   if (codec == nullptr) {
     throw Error(ErrorKind::kFailed,
@@ -28,9 +30,12 @@ ffmpeg::CodecContext OpenDecoder(const fs::path& path, const AVStream& stream, i
   ffmpeg::CodecContext decoder = ffmpeg::MakeCodecContext(codec);
   int result = avcodec_parameters_to_context(decoder.get(), stream.codecpar);
   decoder->pkt_timebase = stream.time_base;
-  decoder->thread_count = std::max(1, threads);
+  decoder->thread_count = std::max(1, options.threads);
   decoder->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
   decoder->max_pixels = ffmpeg::kMaxPixels;
+  // A picture with errors is reported at once, not concealed: with frame threading, the flags of a
+  // concealed one are set too late to be seen.
+  if (!options.keep_suspect_frames) decoder->err_recognition |= AV_EF_EXPLODE;
   if (result >= 0) result = avcodec_open2(decoder.get(), codec, nullptr);
   if (result < 0) {
     throw BadInput(path.string() + ": its " + codec->name + " stream cannot be decoded (" +
@@ -73,11 +78,12 @@ class VideoSource final : public FrameSource {
  private:
   bool SendNextPacket();
   bool IsGood(const AVFrame& frame);
-  std::int64_t IndexOf(std::int64_t pts);
-  SourceFrame MakeSourceFrame(const AVFrame& frame);
+  std::optional<SourceFrame> Accept(const AVFrame& frame);
+  SourceFrame MakeSourceFrame(const AVFrame& frame, std::int64_t index);
   void Finish();
 
   fs::path path_;
+  VideoSourceOptions options_;
   VideoDemuxer demuxer_;
   const AVStream* stream_;
   ffmpeg::CodecContext decoder_;
@@ -90,15 +96,18 @@ class VideoSource final : public FrameSource {
   std::optional<std::int64_t> start_pts_;
   std::optional<std::int64_t> last_pts_;
   double last_timestamp_ = -1;
+  bool damage_seen_ = false;
+  std::int64_t suspect_group_ = -1;  ///< The latest in which a picture was lost to damage.
   bool size_changed_ = false;
   bool finished_ = false;
 };
 
 VideoSource::VideoSource(const fs::path& path, const VideoSourceOptions& options)
     : path_(path),
+      options_(options),
       demuxer_(path),
       stream_(&demuxer_.stream()),
-      decoder_(OpenDecoder(path, *stream_, options.threads)),
+      decoder_(OpenDecoder(path, *stream_, options)),
       converter_(demuxer_.orientation()) {
   info_.width = stream_->codecpar->width;
   info_.height = stream_->codecpar->height;
@@ -121,13 +130,16 @@ std::optional<SourceFrame> VideoSource::Next() {
   while (!finished_) {
     const int result = avcodec_receive_frame(decoder_.get(), frame_.get());
     if (result == 0) {
-      if (IsGood(*frame_)) return MakeSourceFrame(*frame_);
+      if (!IsGood(*frame_)) continue;
+      if (auto frame = Accept(*frame_)) return frame;
     } else if (result == AVERROR_EOF) {
       Finish();
     } else if (result == AVERROR(ENOMEM)) {
       throw Error(ErrorKind::kOutOfResource, path_.string() + ": out of memory while decoding");
-    } else if (result == AVERROR(EAGAIN) && !SendNextPacket()) {
-      avcodec_send_packet(decoder_.get(), nullptr);  // Any other error: a lost picture, go on.
+    } else if (result == AVERROR(EAGAIN)) {
+      if (!SendNextPacket()) avcodec_send_packet(decoder_.get(), nullptr);
+    } else {
+      damage_seen_ = true;  // A lost picture: go on.
     }
   }
   return std::nullopt;
@@ -137,12 +149,19 @@ std::optional<SourceFrame> VideoSource::Next() {
 bool VideoSource::SendNextPacket() {
   const ffmpeg::Packet packet = demuxer_.Next();
   if (!packet) return false;
-  avcodec_send_packet(decoder_.get(), packet.get());  // Errors show as pictures that are lost.
+  // What was cut short would decode to a picture that is grey in its lower part.
+  if ((packet->flags & AV_PKT_FLAG_CORRUPT) ||
+      avcodec_send_packet(decoder_.get(), packet.get()) < 0) {
+    damage_seen_ = true;
+  }
   return true;
 }
 
 bool VideoSource::IsGood(const AVFrame& frame) {
-  if ((frame.flags & AV_FRAME_FLAG_CORRUPT) || frame.decode_error_flags != 0) return false;
+  if ((frame.flags & AV_FRAME_FLAG_CORRUPT) || frame.decode_error_flags != 0) {
+    damage_seen_ = true;
+    return false;
+  }
   if (frame.width != stream_->codecpar->width || frame.height != stream_->codecpar->height) {
     size_changed_ = true;
     return false;
@@ -151,21 +170,27 @@ bool VideoSource::IsGood(const AVFrame& frame) {
   return frame.pts == AV_NOPTS_VALUE || !last_pts_ || frame.pts > *last_pts_;
 }
 
-std::int64_t VideoSource::IndexOf(std::int64_t pts) {
-  if (pts == AV_NOPTS_VALUE) return next_index_++;
-  const std::int64_t lost = demuxer_.Pass(pts);
-  statistics_.skipped += lost;
-  next_index_ += lost;
-  last_pts_ = pts;
-  return next_index_++;
+/// Numbers the frame; nothing where it refers to damaged ones.
+std::optional<SourceFrame> VideoSource::Accept(const AVFrame& frame) {
+  if (frame.pts == AV_NOPTS_VALUE) return MakeSourceFrame(frame, next_index_++);
+  if (!start_pts_) start_pts_ = std::min(frame.pts, demuxer_.Earliest(frame.pts));
+  last_pts_ = frame.pts;
+  const VideoDemuxer::Passed passed = demuxer_.Pass(frame.pts);
+  statistics_.skipped += passed.lost;
+  next_index_ += passed.lost;
+  const std::int64_t index = next_index_++;
+  // Without damage, what the decoder leaves out is not referred to.
+  if (passed.lost_reference && damage_seen_) suspect_group_ = passed.group;
+  if (suspect_group_ == passed.group && !options_.keep_suspect_frames) {
+    ++statistics_.skipped;
+    return std::nullopt;
+  }
+  return MakeSourceFrame(frame, index);
 }
 
-SourceFrame VideoSource::MakeSourceFrame(const AVFrame& frame) {
-  if (!start_pts_ && frame.pts != AV_NOPTS_VALUE) {
-    start_pts_ = std::min(frame.pts, demuxer_.Earliest(frame.pts));
-  }
+SourceFrame VideoSource::MakeSourceFrame(const AVFrame& frame, std::int64_t index) {
   SourceFrame result;
-  result.index = IndexOf(frame.pts);
+  result.index = index;
   result.name = "frame " + std::to_string(result.index);
   const double rate = info_.frames_per_second > 0 ? info_.frames_per_second : 30;
   result.timestamp = frame.pts != AV_NOPTS_VALUE
@@ -193,8 +218,9 @@ void VideoSource::Finish() {
   }
   if (statistics_.skipped > 0) {
     LogWarning(path_.string() + ": " + std::to_string(statistics_.skipped) +
-               " damaged frames were passed over, " + std::to_string(statistics_.decoded) +
-               " are good" + (size_changed_ ? " (some had another picture size)" : ""));
+               " frames that are damaged, or build on damaged ones, were passed over, " +
+               std::to_string(statistics_.decoded) + " are good" +
+               (size_changed_ ? " (some had another picture size)" : ""));
   }
 }
 

@@ -327,15 +327,39 @@ TEST_F(VideoTest, PassesOverDamagedFramesAndKeepsTheNumbersOfTheOthers) {
   EXPECT_GT(statistics.skipped, 10);
   EXPECT_EQ(statistics.decoded + statistics.skipped, 120);
   EXPECT_EQ(frames.size(), static_cast<std::size_t>(statistics.decoded));
+  int ghosts = 0;
+  // B frames may be shown before the damaged frame that they refer to is missed.
+  constexpr int kMaxGhosts = 3;
   for (const SourceFrame& frame : frames) {
     EXPECT_NEAR(frame.timestamp, static_cast<double>(frame.index) / 30, 1e-4);
-    if (frame.index < 40 || frame.index > 100) {
-      EXPECT_EQ(NumberIn(*frame.picture), frame.index);
-    }
+    const Picture written = NumberedPicture(static_cast<int>(frame.index), kWidth, kHeight);
+    ghosts += MeanDifference(frame.picture->grey, written.grey) > kCodingError;
   }
+  EXPECT_LE(ghosts, kMaxGhosts);
   EXPECT_EQ(frames.back().index, 119);
   ASSERT_THAT(warnings_, SizeIs(1));
-  EXPECT_THAT(warnings_[0], HasSubstr("damaged frames were passed over"));
+  EXPECT_THAT(warnings_[0], HasSubstr("were passed over"));
+}
+
+TEST_F(VideoTest, WaitsForTheNextKeyFrameUnlessAskedNotTo) {
+  const std::string mp4 = ReadBytes(Make("a.mp4", 120, Options()));
+  // Frame 33 or so, soon after the key frame 30: its first bytes are lost.
+  std::string damaged = mp4;
+  const std::size_t data = mp4.find("mdat") + 4;
+  const std::size_t at = data + (mp4.find("moov") - data) * 30 / 100;
+  damaged.replace(at, 200, 200, '\x55');
+  WriteBytes(folder_ / "b.mp4", damaged);
+  VideoSourceOptions options;
+  const auto waiting = OpenVideo(folder_ / "b.mp4", options);
+  options.keep_suspect_frames = true;
+  const auto keeping = OpenVideo(folder_ / "b.mp4", options);
+  const std::size_t strict = ReadAll(*waiting).size();
+  const std::size_t all = ReadAll(*keeping).size();
+  EXPECT_GE(strict, 90u);
+  EXPECT_LT(strict, all);
+  EXPECT_LT(all, 120u);
+  EXPECT_EQ(waiting->statistics().skipped, 120 - static_cast<std::int64_t>(strict));
+  EXPECT_EQ(keeping->statistics().skipped, 120 - static_cast<std::int64_t>(all));
 }
 
 TEST_F(VideoTest, SurvivesRandomDamageAnywhere) {
