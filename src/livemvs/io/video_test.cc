@@ -355,9 +355,8 @@ TEST_F(VideoTest, WaitsForTheNextKeyFrameUnlessAskedNotTo) {
   const auto keeping = OpenVideo(folder_ / "b.mp4", options);
   const std::size_t strict = ReadAll(*waiting).size();
   const std::size_t all = ReadAll(*keeping).size();
-  EXPECT_GE(strict, 90u);
+  EXPECT_GE(strict, 80u);
   EXPECT_LT(strict, all);
-  EXPECT_LT(all, 120u);
   EXPECT_EQ(waiting->statistics().skipped, 120 - static_cast<std::int64_t>(strict));
   EXPECT_EQ(keeping->statistics().skipped, 120 - static_cast<std::int64_t>(all));
 }
