@@ -39,12 +39,12 @@ struct UpdateStatistics {
   }
 };
 
-/// Runs step 2 of Algorithm 1 on a device.
+/// Runs step 2 of Algorithm 1 on a device. Threads are those of the caller's oneTBB arena.
 class Backend {
  public:
   virtual ~Backend() = default;
 
-  /// For people: "CPU, AVX2, 2 threads".
+  /// For people: "CPU, AVX2".
   virtual std::string name() const = 0;
 
   /// Meets all seeds of the groups with the current frame: project, match, fuse, judge. Writes

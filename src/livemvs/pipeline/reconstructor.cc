@@ -1,5 +1,7 @@
 #include "livemvs/pipeline/reconstructor.h"
 
+#include <oneapi/tbb/task_arena.h>
+
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -28,8 +30,16 @@ const Options& Checked(const Options& options) {
 
 }  // namespace
 
+struct Reconstructor::Workers {
+  explicit Workers(int threads) : arena(threads > 0 ? threads : tbb::task_arena::automatic) {}
+  tbb::task_arena arena;
+};
+
+Reconstructor::~Reconstructor() = default;
+
 Reconstructor::Reconstructor(const Options& options, const SceneRange& range)
     : options_(Checked(options)),
+      workers_(std::make_unique<Workers>(options.threads)),
       pool_(static_cast<std::size_t>(options.max_seeds)),
       spawner_(options, range),
       backend_(MakeCpuBackend(options)) {}
@@ -40,12 +50,16 @@ std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
     throw std::invalid_argument(frame.name + ": the picture is not of the size of its camera");
   }
   const std::size_t points_before = points_.size();
+  workers_->arena.execute([&] { RunAlgorithm(frame); });
+  return std::span<const Point>(points_).subspan(points_before);
+}
+
+void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
   // [VH11] Algorithm 1. Steps 2 to 4 come first: a seed tells nothing in the frame it was born in.
   UpdateSeeds(frame);   // step 2: project, match, fuse
   CollectSeeds(frame);  // steps 3 and 4: remove outliers, convert what has converged
   SpawnSeeds(frame);    // step 1: if S < M, M - S new seeds
   ++statistics_.frames;
-  return std::span<const Point>(points_).subspan(points_before);
 }
 
 void Reconstructor::UpdateSeeds(const PosedFrame& frame) {

@@ -37,6 +37,7 @@ class Reconstructor {
  public:
   /// @throws std::invalid_argument naming the option that is out of its range.
   Reconstructor(const Options& options, const SceneRange& range);
+  ~Reconstructor();
 
   /// Runs Algorithm 1 on one frame and returns the points that converged in it; valid until the
   /// next call.
@@ -50,6 +51,9 @@ class Reconstructor {
   std::string backend_name() const { return backend_->name(); }
 
  private:
+  struct Workers;  // the threads, options.threads of them
+
+  void RunAlgorithm(const PosedFrame& frame);
   void SpawnSeeds(const PosedFrame& frame);
   void UpdateSeeds(const PosedFrame& frame);
   void CollectSeeds(const PosedFrame& frame);
@@ -59,6 +63,7 @@ class Reconstructor {
                const Projector& projector);
 
   Options options_;
+  std::unique_ptr<Workers> workers_;
   SeedPool pool_;
   Spawner spawner_;
   std::unique_ptr<Backend> backend_;

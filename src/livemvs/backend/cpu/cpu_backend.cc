@@ -1,6 +1,5 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -53,13 +52,9 @@ class CpuBackend final : public Backend {
   explicit CpuBackend(const Options& options)
       : options_(options),
         is_outlier_(options.eta_outlier, options.outlier_certainty),
-        kernel_(UsableKernels().front()),
-        arena_(options.threads > 0 ? options.threads : tbb::task_arena::automatic) {}
+        kernel_(UsableKernels().front()) {}
 
-  std::string name() const override {
-    return std::string("CPU, ") + kernel_.name + ", " + std::to_string(arena_.max_concurrency()) +
-           (arena_.max_concurrency() == 1 ? " thread" : " threads");
-  }
+  std::string name() const override { return std::string("CPU, ") + kernel_.name; }
 
   UpdateStatistics Update(const SeedColumns& seeds,
                           const std::vector<SeedGroup>& groups,
@@ -74,10 +69,8 @@ class CpuBackend final : public Backend {
       }
     }
     results_.assign(tasks_.size(), {});
-    arena_.execute([&] {
-      tbb::parallel_for(std::size_t{0}, tasks_.size(), [&](std::size_t i) {
-        results_[i] = kernel_.update(tasks_[i].job, tasks_[i].begin, tasks_[i].end);
-      });
+    tbb::parallel_for(std::size_t{0}, tasks_.size(), [&](std::size_t i) {
+      results_[i] = kernel_.update(tasks_[i].job, tasks_[i].begin, tasks_[i].end);
     });
     UpdateStatistics sum;
     for (const UpdateStatistics& r : results_) sum += r;
@@ -105,7 +98,6 @@ class CpuBackend final : public Backend {
   Options options_;
   OutlierRule is_outlier_;
   NamedKernel kernel_;
-  tbb::task_arena arena_;
   std::vector<Task> tasks_;
   std::vector<UpdateStatistics> results_;
 };
