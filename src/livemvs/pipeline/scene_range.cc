@@ -87,7 +87,8 @@ std::optional<SceneRange> RangeOfCommonRegion(const std::vector<CameraPose>& cam
   if (depths.size() < cameras.size() * 7 / 10) return std::nullopt;
   SceneRange range;
   range.near = 0.5 * Percentile(depths, 0.05);
-  range.far = 1.7 * Percentile(depths, 0.95);
+  // What stands behind the place is often wanted too, and costs little in inverse depth.
+  range.far = 3 * Percentile(depths, 0.95);
   range.origin = "the region that the cameras look at";
   return range;
 }
