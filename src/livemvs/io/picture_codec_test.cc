@@ -113,7 +113,7 @@ TEST_F(PictureCodecTest, ReadsPortableMaps) {
   WriteBytes(folder_ / "a.pgm",
              std::string("P5\n# made by hand\n3 2\n255\n\x01\x02\x03\x04\x05\x06"));
   EXPECT_EQ(ReadPicture(folder_ / "a.pgm").grey(2, 1), 6);
-  WriteBytes(folder_ / "b.pgm", std::string("P5\n2 1\n65535\n\x01\x02\xff\xff", 19));
+  WriteBytes(folder_ / "b.pgm", std::string("P5\n2 1\n65535\n\x01\x02\xff\xff", 17));
   EXPECT_EQ(ReadDepthPng(folder_ / "b.pgm")(0, 0), 0x102);
   EXPECT_EQ(ReadPicture(folder_ / "b.pgm").grey(1, 0), 255);
   WriteBytes(folder_ / "c.ppm", std::string("P6\n1 1\n255\n\xc8\x10\x20"));
