@@ -61,7 +61,7 @@ class Line {
     const double sign = offset > 0 ? 1 : -1;
     double inside = 0, outside = 1e-6;
     while (std::abs(Offset(mu + sign * outside)) < std::abs(offset) && outside < 1e6) outside *= 2;
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 50; ++i) {
       const double middle = (inside + outside) / 2;
       (std::abs(Offset(mu + sign * middle)) < std::abs(offset) ? inside : outside) = middle;
     }
