@@ -175,7 +175,7 @@ Options PaperOptions() {
   o.eta_outlier = 0.05F;
   o.outlier_certainty = 0.99F;
   o.eta_inlier = 0.1F;
-  o.epsilon_range = 0.01F;
+  o.epsilon_range = 0.002F;
   o.epsilon_px = 0;
   o.min_views = 0;
   o.max_age = 0;

@@ -149,11 +149,12 @@ void SetOption(Options* options, const std::string& name, const std::string& val
 /// The option's value as SetOption takes it. @throws std::invalid_argument for an unknown name.
 std::string GetOption(const Options& options, const std::string& name);
 
-/// Algorithm 1 and its constants as published. Where the text leaves a choice: the variance
-/// threshold "1/10,000th of the bounding volume size" is read as a variance in units of that size
-/// squared, that is sigma < range / 100, the only reading under which seeds converge in tenths of a
-/// second as reported; the sub-pixel position of a maximum is the parabola's, as here in all
-/// presets.
+/// Algorithm 1 and its constants as published. Where the text leaves a choice: the threshold
+/// "1/10,000th of the bounding volume size" is called one of variance and one of sigma_n. Read as
+/// sigma < range / 10,000, seeds need hundreds of frames; read as a variance in units of the range
+/// squared, sigma < range / 100, a dozen. The "few tenths of a second" that the paper reports fit
+/// sigma between range / 300 and range / 1000: here range / 500. The sub-pixel position of a
+/// maximum is the parabola's, as in all presets.
 Options PaperOptions();
 
 /// Our own choices; the reasons are in docs/algorithm.md.

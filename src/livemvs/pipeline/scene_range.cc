@@ -52,7 +52,7 @@ std::optional<SceneRange> RangeOfSparsePoints(const std::vector<CameraPose>& cam
   // The sparse points are the textured surface; leave room for what lies between and behind them.
   range.near = 0.75 * Percentile(depths, 0.01);
   range.far = 1.35 * Percentile(depths, 0.98);
-  range.origin = "from the data set's sparse points";
+  range.origin = "the data set's sparse points";
   return range;
 }
 
