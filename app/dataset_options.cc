@@ -16,8 +16,10 @@ void AddDatasetOptions(CLI::App* command, DatasetOptions* options) {
   command->add_option("--images", options->images, "Folder of the images, where not the usual one");
   command->add_option(
       "--camera", options->camera, "OpenCV YAML file, or fx,fy,cx,cy[,k1,k2,p1,p2[,k3...]]");
-  command->add_option("--pose-convention", options->pose_convention,
-                      "auto, cam-from-world, world-from-cam or world-from-cam-opengl")
+  command
+      ->add_option("--pose-convention",
+                   options->pose_convention,
+                   "auto, cam-from-world, world-from-cam or world-from-cam-opengl")
       ->transform(CLI::CheckedTransformer(kConventions));
   command->add_option("--first-frame", options->first_frame, "First frame to use");
   command->add_option("--last-frame", options->last_frame, "Last frame to use");

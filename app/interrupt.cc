@@ -17,6 +17,8 @@ void OnSignal(int signal) {
 void CatchInterrupts() {
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
+  std::signal(SIGHUP, OnSignal);
+  std::signal(SIGPIPE, SIG_IGN);  // a reader of our messages that goes away must not cost the cloud
 }
 
 bool Interrupted() { return interrupted != 0; }

@@ -2,8 +2,8 @@
 
 namespace livemvs::app {
 
-/// From here on SIGINT and SIGTERM only set a flag, so that the cloud so far can be written. A second
-/// signal ends the program at once.
+/// From here on SIGINT, SIGTERM and SIGHUP only set a flag, so that the cloud so far can be
+/// written. A second signal ends the program at once.
 void CatchInterrupts();
 
 /// True once a signal has come.

@@ -1,12 +1,16 @@
+#include <oneapi/tbb/global_control.h>
 #include <sys/resource.h>
 
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commands.h"
@@ -118,7 +122,12 @@ std::string Describe(const SceneRange& range) {
     std::snprintf(text,
                   sizeof(text),
                   " in the box (%.4g %.4g %.4g) to (%.4g %.4g %.4g)",
-                  b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z());
+                  b.min.x(),
+                  b.min.y(),
+                  b.min.z(),
+                  b.max.x(),
+                  b.max.y(),
+                  b.max.z());
     description += text;
   }
   return description + ", from " + range.origin;
@@ -130,6 +139,7 @@ nlohmann::json StatisticsJson(const RunArguments& args,
                               const Dataset& dataset,
                               const Dataset::Statistics& frames,
                               const Reconstructor& reconstructor,
+                              std::size_t points,
                               double loop_seconds,
                               double total_seconds) {
   const ReconstructionStatistics& s = reconstructor.statistics();
@@ -150,54 +160,75 @@ nlohmann::json StatisticsJson(const RunArguments& args,
                      {"aged", s.rejected_aged},
                      {"unseen", s.rejected_unseen},
                      {"left_interval", s.rejected_left_interval}}}};
-  json["updates"] = {{"total", s.updates.total()},
-                     {"matched", s.updates.matched},
-                     {"no_information", s.updates.no_information},
-                     {"out_of_view", s.updates.out_of_view},
-                     {"mismatched", s.updates.mismatched},
-                     {"per_second",
-                      s.update_seconds > 0
-                          ? static_cast<double>(s.updates.total()) / s.update_seconds
-                          : 0}};
+  json["updates"] = {
+      {"total", s.updates.total()},
+      {"matched", s.updates.matched},
+      {"no_information", s.updates.no_information},
+      {"out_of_view", s.updates.out_of_view},
+      {"mismatched", s.updates.mismatched},
+      {"per_second",
+       s.update_seconds > 0 ? static_cast<double>(s.updates.total()) / s.update_seconds : 0}};
   json["seconds"] = {{"spawn", s.spawn_seconds},
                      {"update", s.update_seconds},
                      {"collect", s.collect_seconds},
                      {"loop", loop_seconds},
                      {"total", total_seconds}};
-  json["frames_per_second"] =
-      loop_seconds > 0 ? static_cast<double>(s.frames) / loop_seconds : 0;
+  json["frames_per_second"] = loop_seconds > 0 ? static_cast<double>(s.frames) / loop_seconds : 0;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   json["peak_memory_mb"] = static_cast<double>(usage.ru_maxrss) / 1024;
-  json["cpu_seconds"] =
-      static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-      1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-  json["points"] = reconstructor.points().size();
+  json["cpu_seconds"] = static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+                        1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  json["points"] = points;
   return json;
 }
 
-// Feeds all frames; stops early, without failing, where a signal comes or the input breaks after frames
-// that could be used.
-void Reconstruct(Prefetcher* frames,
-                 std::int64_t frame_count,
-                 Progress* progress,
-                 Reconstructor* reconstructor) {
-  while (!Interrupted()) {
-    std::optional<PosedFrame> frame;
-    try {
-      frame = frames->Next();
-    } catch (const Error& e) {
-      if (reconstructor->statistics().frames == 0) throw;
-      LogWarning(std::string(e.what()) + "; going on with the frames before it");
-      return;
+// Feeds all frames. Where something fails on the way, what was reconstructed is kept and the
+// failure returned, to be reported once it is written.
+std::exception_ptr Reconstruct(Prefetcher* frames,
+                               std::int64_t frame_count,
+                               Progress* progress,
+                               Reconstructor* reconstructor) {
+  try {
+    while (const std::optional<PosedFrame> frame = frames->Next(Interrupted)) {
+      reconstructor->AddFrame(*frame);
+      progress->Show({"reconstruct",
+                      reconstructor->statistics().frames,
+                      frame_count,
+                      static_cast<std::int64_t>(reconstructor->live_seeds()),
+                      static_cast<std::int64_t>(reconstructor->points().size())});
     }
-    if (!frame) return;
-    reconstructor->AddFrame(*frame);
-    progress->Show({"reconstruct",
-                    reconstructor->statistics().frames,
-                    frame_count,
-                    static_cast<std::int64_t>(reconstructor->live_seeds()),
-                    static_cast<std::int64_t>(reconstructor->points().size())});
+  } catch (...) {
+    if (reconstructor->points().empty()) throw;
+    return std::current_exception();
+  }
+  return nullptr;
+}
+
+// Refuses outputs that would replace an input, each other, or a file that is not of their kind.
+void CheckOutputs(const RunArguments& args) {
+  CheckWritable(args.output);
+  if (!args.stats.empty()) CheckWritable(args.stats);
+  const auto same = [](const fs::path& a, const fs::path& b) {
+    std::error_code ignored;
+    return !a.empty() && !b.empty() &&
+           (fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored));
+  };
+  if (same(args.output, args.stats)) {
+    throw BadInput(args.output.string() + ": cannot be both the cloud and the statistics");
+  }
+  for (const fs::path& output : {args.output, args.stats}) {
+    for (const fs::path& input :
+         {args.dataset.data, args.dataset.poses, fs::path(args.dataset.camera)}) {
+      if (same(output, input)) throw BadInput(output.string() + ": is an input; name another file");
+    }
+  }
+  std::ifstream existing(args.output, std::ios::binary);
+  char magic[3] = {};
+  if (fs::is_regular_file(args.output) && existing.read(magic, 3) &&
+      std::string_view(magic, 3) != "ply") {
+    throw BadInput(args.output.string() +
+                   ": exists and is not a point cloud; remove it or name another file");
   }
 }
 
@@ -208,7 +239,8 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s) {
   } else if (s.updates.no_information >= s.updates.total() * 9 / 10) {
     reason = "the camera hardly moves, or its pictures are blurred";
   } else if (s.updates.out_of_view > s.updates.total() / 2) {
-    reason = "what one frame shows, the next do not: check the poses, their convention and the range";
+    reason =
+        "what one frame shows, the next do not: check the poses, their convention and the range";
   } else if (s.updates.mismatched > s.updates.matched) {
     reason = "patches are not found where the poses say: check poses, convention and calibration";
   }
@@ -218,10 +250,17 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s) {
 void Run(const RunArguments& args) {
   const Clock::time_point start = Clock::now();
   Options options = MakeOptions(args);
-  CheckWritable(args.output);
-  if (!args.stats.empty()) CheckWritable(args.stats);
+  CheckOutputs(args);
+  std::optional<tbb::global_control> thread_limit;  // for all that runs in parallel, normals too
+  if (args.threads > 0) {
+    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
+                         static_cast<std::size_t>(args.threads));
+  }
   const ProgressMode progress_mode = ParseProgressMode(args.progress);
-  const std::unique_ptr<Dataset> dataset = OpenDataset(args.dataset);
+  CatchInterrupts();
+  DatasetOptions dataset_options = args.dataset;
+  dataset_options.cancelled = Interrupted;
+  const std::unique_ptr<Dataset> dataset = OpenDataset(dataset_options);
   const SceneRange range = MakeRange(args, *dataset);
   LogInfo("looking for surfaces at " + Describe(range));
   options = ResolveSearch(CamerasOf(*dataset), range, options);
@@ -229,26 +268,23 @@ void Run(const RunArguments& args) {
               ? "searching whole epipolar lines: the steps between frames are wide"
               : "searching near the prediction: the steps between frames are small");
 
-  CatchInterrupts();
   Reconstructor reconstructor(options, range);
   Progress progress(progress_mode);
   const Clock::time_point loop_start = Clock::now();
   Dataset::Statistics frame_statistics;
+  std::exception_ptr failure;
   {
     Prefetcher frames(dataset.get());
-    Reconstruct(&frames,
-                static_cast<std::int64_t>(dataset->views().size()),
-                &progress,
-                &reconstructor);
+    failure = Reconstruct(
+        &frames, static_cast<std::int64_t>(dataset->views().size()), &progress, &reconstructor);
     frame_statistics = frames.statistics();
   }
   progress.Finish();
   const double loop_seconds = SecondsSince(loop_start);
-  const bool interrupted = Interrupted();
 
-  PointCloud cloud = reconstructor.points();
+  PointCloud cloud = reconstructor.TakePoints();
   if (cloud.empty()) ExplainEmptyCloud(reconstructor.statistics());
-  const bool estimate_normals = !args.ray_normals && !interrupted;
+  const bool estimate_normals = !args.ray_normals && !Interrupted();
   if (estimate_normals) EstimateNormals(cloud);
   WritePly(args.output,
            cloud,
@@ -260,6 +296,7 @@ void Run(const RunArguments& args) {
                                                    *dataset,
                                                    frame_statistics,
                                                    reconstructor,
+                                                   cloud.size(),
                                                    loop_seconds,
                                                    SecondsSince(start));
   std::printf("%zu points from %lld frames in %.1f s (%.1f frames/s)\n",
@@ -274,28 +311,35 @@ void Run(const RunArguments& args) {
     file.Commit();
     std::printf("%s\n", fs::absolute(args.stats).c_str());
   }
-  if (interrupted) throw CLI::RuntimeError(kExitInterrupted);
+  if (failure) std::rethrow_exception(failure);
+  if (Interrupted()) throw CLI::RuntimeError(kExitInterrupted);
 }
 
 }  // namespace
 
 void AddRunCommand(CLI::App& app) {
   auto args = std::make_shared<RunArguments>();
-  CLI::App* command = app.add_subcommand("run", "Reconstruct a point cloud from posed video or images");
+  CLI::App* command =
+      app.add_subcommand("run", "Reconstruct a point cloud from posed video or images");
   AddDatasetOptions(command, &args->dataset);
   command->add_option("-o,--output", args->output, "Point cloud to write (PLY)")->required();
   command->add_option("--stats", args->stats, "Statistics of the run to write (JSON)");
   command->add_option("--preset", args->preset, "default, or paper: the method as published");
   command->add_option("--box", args->box, "Reconstruct inside of x0 y0 z0 x1 y1 z1 [scene units]")
       ->expected(6);
-  command->add_option("--near", args->near, "Least depth [scene units]");
-  command->add_option("--far", args->far, "Largest depth [scene units]");
+  command->add_option("--near", args->near, "Least depth [scene units]")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--far", args->far, "Largest depth [scene units]")
+      ->check(CLI::PositiveNumber);
   command->add_option(
       "--search", args->search, "window, full (for wide steps between frames), or auto");
-  command->add_option("--seeds", args->seeds, "Seeds kept alive (250000)");
-  command->add_option("--threads", args->threads, "Worker threads (all cores)");
+  command->add_option("--seeds", args->seeds, "Seeds kept alive (250000)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--threads", args->threads, "Worker threads (all cores)")
+      ->check(CLI::PositiveNumber);
   command->add_option("--set", args->settings, "Any option of the method, NAME=VALUE; repeatable");
-  command->add_flag("--ray-normals", args->ray_normals,
+  command->add_flag("--ray-normals",
+                    args->ray_normals,
                     "Write viewing directions as normals, instead of estimating planes");
   command->add_option("--progress", args->progress, "auto, line, json or none");
   command->footer(

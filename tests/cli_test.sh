@@ -82,7 +82,7 @@ expect 2 "option eta_inlier" run --data "$sample" --set eta_inlier=2
 expect 2 "option 'speed' is unknown" run --data "$sample" --set speed=1
 
 # --- Bad input: the file, the place, the remedy; and what was there stays ----------------------------
-echo "precious" >"$work/out.ply"
+printf 'ply\nprecious\n' >"$work/out.ply"
 expect 3 "no such file or folder" run --data "$work/absent"
 mkdir "$work/empty"
 expect 3 "Supported are" run --data "$work/empty"
@@ -104,6 +104,14 @@ echo "0 900 480 360 960 720" >"$work/data/intrinsics.txt"
 expect 3 "intrinsics.txt" run --data "$work/data"
 echo "900 900 480 360 640 480" >"$work/data/intrinsics.txt"
 expect 3 "960 x 720" run --data "$work/data"
+copy_sample
+sed -i -n 's/^[0-9]* //; 2~2p' "$work/data/poses.txt"
+expect 3 "poses for 90 frames" run --data "$work/data"
+copy_sample
+expect 3 "not a point cloud" "$program" run --data "$work/data" -o "$work/data/video.mp4"
+check "the input video was replaced" cmp -s "$sample/video.mp4" "$work/data/video.mp4"
+expect 3 "both the cloud and the statistics" run --data "$sample" --stats "$work/out.ply"
+expect 2 "--near" run --data "$sample" --near -1
 mkdir "$work/json"
 printf '%10000s' '' | tr ' ' '[' >"$work/json/transforms.json"
 expect 3 "transforms.json" run --data "$work/json"

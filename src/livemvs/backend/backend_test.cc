@@ -1,6 +1,8 @@
 #include "livemvs/backend/backend.h"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -344,17 +346,20 @@ TEST(KernelsTest, ABlackPictureIsAMismatch) {
 
 TEST(CpuBackendTest, CountsEveryLiveSeedOnceWhateverTheThreads) {
   const auto frames = PlaneScene().Render(SidewaysPath(2));
-  Options options = TestOptions();
+  const Options options = TestOptions();
   const auto seeds = Plant(options, frames[0], 1);
   Columns first(seeds);
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 5);
   for (const int threads : {1, 2, 5}) {
-    options.threads = threads;
     Columns columns(seeds);
     columns.fate[7] = Fate::kRemoved;
     std::vector<SeedGroup> groups(2, GroupOf(frames[0], frames[1], seeds.size()));
     groups[0].end = groups[1].begin = seeds.size() / 3;
-    const auto statistics = MakeCpuBackend(options)->Update(
-        columns.View(), groups, CameraModel::kPinhole, frames[1].picture->grey.view());
+    UpdateStatistics statistics;
+    tbb::task_arena(threads).execute([&] {
+      statistics = MakeCpuBackend(options)->Update(
+          columns.View(), groups, CameraModel::kPinhole, frames[1].picture->grey.view());
+    });
     EXPECT_EQ(statistics.total(), static_cast<std::int64_t>(seeds.size()) - 1);
     if (threads == 1) {
       first = columns;

@@ -113,7 +113,10 @@ void Options::Check() const {
           "cover_angle_deg",
           cover_angle_deg,
           "in (0, 180]");
-  Require(min_patch_stddev >= 0, "min_patch_stddev", min_patch_stddev, "0 or more");
+  Require(min_patch_stddev >= 0 && min_patch_stddev <= 128,
+          "min_patch_stddev",
+          min_patch_stddev,
+          "0 ... 128");
   Require(prior_a > 0 && prior_a < 1e4F, "prior_a", prior_a, "in (0, 10000)");
   Require(prior_b > 0 && prior_b < 1e4F, "prior_b", prior_b, "in (0, 10000)");
   Require(search_radius_px >= 1 && search_radius_px <= 1000,
@@ -148,7 +151,7 @@ void Options::Check() const {
           "epsilon_px",
           epsilon_px,
           "positive, or 0 with a positive epsilon_range");
-  Require(min_views >= 0, "min_views", min_views, "0 or more");
+  Require(min_views >= 0 && min_views <= 255, "min_views", min_views, "0 ... 255");
   Require(max_age >= 0 && max_age < 65535, "max_age", max_age, "0 ... 65534");
   Require(max_unseen >= 0 && max_unseen < 255, "max_unseen", max_unseen, "0 ... 254");
   Require(threads >= 0 && threads <= 1024, "threads", threads, "0 ... 1024");

@@ -38,6 +38,8 @@ std::vector<double> YamlMatrix(const YAML::Node& root, const fs::path& file, con
     } else {
       values.push_back(YamlNumber(value, file, key));
     }
+    constexpr std::size_t kMost = 64;  // aliases can make a small file long
+    if (values.size() > kMost) throw BadInput(file.string() + ": '" + key + "' is too long");
   }
   return values;
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,6 +32,8 @@ struct DatasetOptions {
   std::int64_t first_frame = 0;  ///< Frames before it are passed over.
   std::int64_t last_frame = -1;  ///< Last frame to use; -1: all.
   std::int64_t step = 1;         ///< Use every step-th frame.
+  /// Asked while frames are passed over; true ends the dataset there. May be empty.
+  std::function<bool()> cancelled;
 };
 
 /// A camera of the dataset: what is known before any picture is read.

@@ -81,7 +81,7 @@ class VideoDataset : public Dataset {
   }
 
   std::optional<PosedFrame> Next() override {
-    while (!ended_) {
+    while (!ended_ && !(options_.cancelled && options_.cancelled())) {
       std::optional<SourceFrame> frame = source_->Next();
       if (!frame || (options_.last_frame >= 0 && frame->index > options_.last_frame)) break;
       ++seen_;
@@ -127,7 +127,9 @@ class VideoDataset : public Dataset {
     if (const NumberedPoses* numbered = std::get_if<NumberedPoses>(&poses_)) {
       // Containers may count one frame more or less than they hold.
       const std::int64_t span = PoseSpan(*numbered);
-      if (info_.frame_count > 0 && span > info_.frame_count + 1) {
+      // Rows without numbers are one per frame; containers may be off by one in their count.
+      const bool too_few = !numbered->explicit_numbers && span + 1 < info_.frame_count;
+      if (info_.frame_count > 0 && (span > info_.frame_count + 1 || too_few)) {
         throw WrongNumber(pose_file_, span, video_, info_.frame_count);
       }
       for (const auto& [index, pose] : numbered->cam_from_world) {

@@ -237,7 +237,9 @@ TEST_F(PosedFolderTest, VideoWithFewerOrMorePosesThanFrames) {
   const fs::path folder = FreshFolder("data");
   WriteVideo(scene_, folder / "film.mp4");
   WriteText(folder / "camera.yaml", OpenCvYaml(scene_.camera));
-  WriteText(folder / "poses.txt", PoseRows(scene_, false, 3));
+  WriteText(folder / "poses.txt", PoseRows(scene_, false, 3));  // no telling which frames are meant
+  EXPECT_THAT(OpenError(folder), ::testing::AllOf(HasSubstr("for 3 frames"), HasSubstr("has 5;")));
+  WriteText(folder / "poses.txt", PoseRows(scene_, true, 3));
   {
     LogCatcher log;
     const std::unique_ptr<Dataset> dataset = Open(folder);

@@ -1,5 +1,6 @@
 #include "livemvs/io/prefetcher.h"
 
+#include <chrono>
 #include <utility>
 
 namespace livemvs {
@@ -16,9 +17,13 @@ Prefetcher::~Prefetcher() {
   thread_.join();
 }
 
-std::optional<PosedFrame> Prefetcher::Next() {
+std::optional<PosedFrame> Prefetcher::Next(const std::function<bool()>& cancelled) {
   std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait(lock, [&] { return !queue_.empty() || finished_; });
+  constexpr auto kPatience = std::chrono::milliseconds(100);
+  while (true) {
+    if (cancelled()) return std::nullopt;
+    if (changed_.wait_for(lock, kPatience, [&] { return !queue_.empty() || finished_; })) break;
+  }
   if (queue_.empty()) {
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     return std::nullopt;

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -11,8 +12,9 @@
 
 namespace livemvs {
 
-/// Reads a dataset on a thread of its own, a few frames ahead, so that decoding and reconstruction overlap.
-/// No frame is ever dropped. While it lives, the dataset is the prefetcher's alone, but for its views.
+/// Reads a dataset on a thread of its own, a few frames ahead, so that decoding and reconstruction
+/// overlap. No frame is ever dropped. While it lives, the dataset is the prefetcher's alone, but
+/// for its views.
 class Prefetcher {
  public:
   /// @param dataset  Must outlive the prefetcher.
@@ -22,9 +24,10 @@ class Prefetcher {
   Prefetcher(const Prefetcher&) = delete;
   Prefetcher& operator=(const Prefetcher&) = delete;
 
-  /// The next frame, or nothing at the end. Waits for it.
+  /// The next frame, or nothing at the end. Waits for it, unless `cancelled`, asked every now and
+  /// then, says so: then nothing is returned.
   /// @throws what the dataset threw, after the frames before it.
-  std::optional<PosedFrame> Next();
+  std::optional<PosedFrame> Next(const std::function<bool()>& cancelled = [] { return false; });
 
   /// The dataset's statistics as of the last frame that was read.
   Dataset::Statistics statistics();

@@ -2,9 +2,11 @@
 
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace livemvs {
 namespace {
@@ -45,6 +47,11 @@ Reconstructor::Reconstructor(const Options& options, const SceneRange& range)
       backend_(MakeCpuBackend(options)) {}
 
 std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
+  if (frame.picture == nullptr) throw std::invalid_argument(frame.name + ": has no picture");
+  if (!frame.cam_from_world.rotation.allFinite() || !frame.cam_from_world.translation.allFinite()) {
+    throw std::invalid_argument(frame.name + ": the pose is not finite");
+  }
+  frame.camera.Check();
   if (frame.picture->width() != frame.camera.width ||
       frame.picture->height() != frame.camera.height) {
     throw std::invalid_argument(frame.name + ": the picture is not of the size of its camera");
@@ -129,10 +136,12 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   point.sigma = z.sigma;
   point.inlier_ratio = s.a[i] / (s.a[i] + s.b[i]);
   point.views = s.counts[i].views;
-  const auto pixel = projector.Project(in_cur);
-  if (pixel && frame.camera.Contains(*pixel)) {
-    point.color = frame.picture->ColorAt(static_cast<int>(std::lround(pixel->x())),
-                                         static_cast<int>(std::lround(pixel->y())));
+  if (const auto pixel = projector.Project(in_cur)) {
+    const auto clamped = [](double v, int size) {
+      return static_cast<int>(std::lround(std::clamp(v, 0.0, size - 1.0)));
+    };
+    point.color = frame.picture->ColorAt(clamped(pixel->x(), frame.camera.width),
+                                         clamped(pixel->y(), frame.camera.height));
   }
   points_.push_back(point);
   ++statistics_.seeds_converged;

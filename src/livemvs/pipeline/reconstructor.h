@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "livemvs/backend/backend.h"
@@ -46,6 +48,8 @@ class Reconstructor {
 
   /// All points so far; normals are directions towards the camera that planted the seed.
   const PointCloud& points() const { return points_; }
+  /// Hands all points over; the reconstruction may go on, but no longer knows what they cover.
+  PointCloud TakePoints() { return std::exchange(points_, {}); }
   std::size_t live_seeds() const { return pool_.size(); }
   const ReconstructionStatistics& statistics() const { return statistics_; }
   std::string backend_name() const { return backend_->name(); }

@@ -135,8 +135,9 @@ std::optional<std::pair<double, double>> SceneRange::Along(const Eigen::Vector3d
 SceneRange RangeOfBox(const Box& box, const std::vector<CameraPose>& cameras) {
   SceneRange range;
   range.box = box;
-  double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+  std::vector<double> nearest_depths, farthest_depths;
   for (const CameraPose& c : cameras) {
+    double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d p(corner & 1 ? box.max.x() : box.min.x(),
                               corner & 2 ? box.max.y() : box.min.y(),
@@ -145,11 +146,17 @@ SceneRange RangeOfBox(const Box& box, const std::vector<CameraPose>& cameras) {
       nearest = std::min(nearest, z);
       farthest = std::max(farthest, z);
     }
+    if (!(farthest > 0)) continue;
+    nearest_depths.push_back(nearest);
+    farthest_depths.push_back(farthest);
   }
-  if (!(farthest > 0)) throw BadInput("no camera looks at the box; check --box and the poses");
-  range.far = farthest * 1.01;
-  // Cameras inside or beside the box: anything from a hundredth of its depth on.
-  range.near = std::max(nearest * 0.99, 0.01 * range.far);
+  if (farthest_depths.empty()) {
+    throw BadInput("no camera looks at the box; check --box and the poses");
+  }
+  // The box itself ends each ray; depths only have to hold it, whatever a stray camera sees of it.
+  range.far = 1.01 * *std::max_element(farthest_depths.begin(), farthest_depths.end());
+  range.near = std::max(0.99 * *std::min_element(nearest_depths.begin(), nearest_depths.end()),
+                        0.01 * Percentile(farthest_depths, 0.5));
   range.origin = "the box";
   return range;
 }

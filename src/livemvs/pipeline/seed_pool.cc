@@ -33,6 +33,10 @@ void SeedPool::BeginReference(std::int64_t frame_index,
   references_.push_back({end_, end_, frame_index, camera, cam_from_world});
 }
 
+void SeedPool::EndReference() {
+  if (references_.back().begin == references_.back().end) references_.pop_back();
+}
+
 void SeedPool::Add(const NewSeed& seed, const Posterior<float>& prior) {
   assert(end_ < capacity_ && !references_.empty());
   const std::size_t i = end_++;

@@ -45,6 +45,9 @@ class SeedPool {
                       const Camera& camera,
                       const Rigid3d& cam_from_world);
 
+  /// Closes the group; one without seeds goes.
+  void EndReference();
+
   /// Appends a seed with the posterior `prior`; the pool must have a free slot.
   void Add(const NewSeed& seed, const Posterior<float>& prior);
 

@@ -3,6 +3,7 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -45,6 +46,34 @@ void SumColumns(const ImageView<std::uint8_t>& grey, int y, ColumnSums* columns)
   }
 }
 
+// The part of the picture, less a border, onto which the scene's box projects; all of it where
+// there is no box or the camera is too near for its corners to tell.
+PixelRect RectOfRange(const PosedFrame& frame, const SceneRange& range) {
+  const PixelRect all = {
+      kBorder, kBorder, frame.camera.width - kBorder, frame.camera.height - kBorder};
+  if (!range.box) return all;
+  const Projector projector(frame.camera);
+  Eigen::AlignedBox2d bounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d p(corner & 1 ? range.box->max.x() : range.box->min.x(),
+                            corner & 2 ? range.box->max.y() : range.box->min.y(),
+                            corner & 4 ? range.box->max.z() : range.box->min.z());
+    const auto pixel = projector.Project(frame.cam_from_world * p);
+    if (!pixel) return all;
+    bounds.extend(*pixel);
+  }
+  // A lens bends the box's edges outwards between the corners.
+  const double margin =
+      frame.camera.model == CameraModel::kPinhole ? 1 : 0.1 * bounds.diagonal().norm();
+  const auto clamped = [&](double v, int low, int high) {
+    return static_cast<int>(std::clamp(v, static_cast<double>(low), static_cast<double>(high)));
+  };
+  return {clamped(std::floor(bounds.min().x() - margin), all.x0, all.x1),
+          clamped(std::floor(bounds.min().y() - margin), all.y0, all.y1),
+          clamped(std::ceil(bounds.max().x() + margin) + 1, all.x0, all.x1),
+          clamped(std::ceil(bounds.max().y() + margin) + 1, all.y0, all.y1)};
+}
+
 }  // namespace
 
 Spawner::Spawner(const Options& options, const SceneRange& range)
@@ -63,7 +92,7 @@ std::int64_t Spawner::Spawn(const PosedFrame& frame, const PointCloud& points, S
     CoverBySeeds(frame, *pool);
     CoverByPoints(frame, points);
   }
-  FindCandidates(grey.view());
+  FindCandidates(grey.view(), RectOfRange(frame, range_));
   return Plant(frame, pool->free_slots(), pool);
 }
 
@@ -131,7 +160,7 @@ void Spawner::CoverByPoints(const PosedFrame& frame, const PointCloud& points) {
   });
 }
 
-void Spawner::FindCandidates(const ImageView<std::uint8_t>& grey) {
+void Spawner::FindCandidates(const ImageView<std::uint8_t>& grey, const PixelRect& rect) {
   constexpr float kPixels = kPatchPixels;
   // n² var = n Σv² - (Σv)², in integers.
   const auto least = static_cast<std::int32_t>(options_.min_patch_stddev *
@@ -142,9 +171,10 @@ void Spawner::FindCandidates(const ImageView<std::uint8_t>& grey) {
                                          std::vector<std::int32_t>(grey.width)};
                       for (int y = rows.begin(); y < rows.end(); ++y) {
                         std::memset(candidate_.Row(y), 0, grey.width);
-                        if (y % options_.seed_spacing_px != 0) continue;
+                        if (y < rect.y0 || y >= rect.y1 || y % options_.seed_spacing_px != 0)
+                          continue;
                         SumColumns(grey, y, &columns);
-                        for (int x = kBorder; x < grey.width - kBorder; x += 1) {
+                        for (int x = rect.x0; x < rect.x1; ++x) {
                           if (x % options_.seed_spacing_px != 0 || covered_(x, y)) continue;
                           std::int32_t sum = 0, squares = 0;
                           for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
@@ -190,6 +220,7 @@ std::int64_t Spawner::Plant(const PosedFrame& frame, std::size_t slots, SeedPool
       planted += PlantOne(frame, projector, x, y, pool);
     }
   }
+  pool->EndReference();
   return planted;
 }
 

@@ -11,6 +11,11 @@
 
 namespace livemvs {
 
+/// Pixels [x0, x1) x [y0, y1).
+struct PixelRect {
+  int x0, y0, x1, y1;
+};
+
 /// Step 1 of Algorithm 1: plants new seeds in a frame where a point is still missing.
 ///
 /// A pixel gets a seed if its patch has texture, its ray crosses the scene's range, and neither a
@@ -27,7 +32,7 @@ class Spawner {
  private:
   void CoverBySeeds(const PosedFrame& frame, const SeedPool& pool);
   void CoverByPoints(const PosedFrame& frame, const PointCloud& points);
-  void FindCandidates(const ImageView<std::uint8_t>& grey);
+  void FindCandidates(const ImageView<std::uint8_t>& grey, const PixelRect& rect);
   void Stamp(float x, float y);
   std::int64_t Plant(const PosedFrame& frame, std::size_t slots, SeedPool* pool);
   bool PlantOne(const PosedFrame& frame, const Projector& projector, int x, int y, SeedPool* pool);

@@ -81,9 +81,9 @@ class CpuBackend final : public Backend {
   // Whether the patches of a group look turned or scaled enough in the current image for the
   // sampling grid to follow. Decided once for the group, on its middle seed's scale.
   bool NeedsWarp(const SeedColumns& seeds, const SeedGroup& group) const {
-    if (options_.warp_roll_deg <= 0 || group.begin == group.end) return false;
+    if (group.begin == group.end) return false;
     const float roll_limit = std::cos(options_.warp_roll_deg * static_cast<float>(M_PI / 180));
-    if (group.view.roll_cos < roll_limit) return true;
+    if (options_.warp_roll_deg > 0 && group.view.roll_cos < roll_limit) return true;
     if (options_.warp_scale <= 0) return false;
     const std::size_t i = (group.begin + group.end) / 2;
     const Projection<float> p = ProjectSeed<PinholeModel>(group.view,

@@ -62,7 +62,10 @@ MatchStatus Measure(const UpdateJob& job,
                     Measurement* measurement) {
   const Options& options = *job.options;
   const float sigma_px = std::sqrt(seed.posterior.sigma2) * p.rate;
-  if (!(4 * sigma_px >= options.min_parallax_px)) return MatchStatus::kNoInformation;
+  constexpr float kAtRest = 1e-3F;  // pixels that the whole interval spans: no line to search
+  if (!(4 * sigma_px >= options.min_parallax_px && p.rate > kAtRest)) {
+    return MatchStatus::kNoInformation;
+  }
   const RelativeView<float>& view = job.group->view;
   // The line's direction in the reference patch.
   const float c = job.warp ? view.roll_cos : 1, s = job.warp ? view.roll_sin : 0;
