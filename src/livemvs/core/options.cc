@@ -18,8 +18,8 @@ struct EnumName {
   E value;
   const char* name;
 };
-constexpr EnumName<DepthCoordinate> kCoordinates[] = {{DepthCoordinate::kDepth, "depth"},
-                                                      {DepthCoordinate::kInverseDepth, "inverse-depth"}};
+constexpr EnumName<DepthCoordinate> kCoordinates[] = {
+    {DepthCoordinate::kDepth, "depth"}, {DepthCoordinate::kInverseDepth, "inverse-depth"}};
 constexpr EnumName<OutlierDensity> kDensities[] = {{OutlierDensity::kRange, "range"},
                                                    {OutlierDensity::kWindow, "window"}};
 constexpr EnumName<Search> kSearches[] = {
