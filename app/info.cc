@@ -57,6 +57,7 @@ Box RobustBounds(const std::vector<Eigen::Vector3d>& points) {
   Box box;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> values;
+    values.reserve(points.size());
     for (const Eigen::Vector3d& p : points) values.push_back(p[k]);
     box.min[k] = Quantile(values, 0.01);
     box.max[k] = Quantile(values, 0.99);

@@ -87,7 +87,9 @@ RenderColor ParseColor(const std::string& name) {
 /// What is drawn: a cloud, or a mesh where `mesh.faces` is not empty.
 class Scene {
  public:
-  Scene(PlyContents contents, const std::optional<Box>& box, const CloudRenderOptions& options)
+  Scene(const PlyContents& contents,
+        const std::optional<Box>& box,
+        const CloudRenderOptions& options)
       : options_(options) {
     if (!contents.faces.empty()) {
       ReadMesh(contents, box);

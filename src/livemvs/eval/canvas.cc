@@ -118,6 +118,7 @@ void Canvas::DrawText(Eigen::Vector2d at,
     const Glyph glyph = GlyphOf(c);
     for (const auto& stroke : glyph.strokes) {
       std::vector<Eigen::Vector2d> points;
+      points.reserve(stroke.size());
       for (const Eigen::Vector2d& p : stroke) {
         points.push_back(at + scale * (p.x() * along + p.y() * up));
       }

@@ -104,7 +104,7 @@ std::optional<fs::path> FindColmapModel(const fs::path& folder) {
 }
 
 ImageSet ReadColmapModel(const fs::path& model_folder) {
-  using namespace colmap_internal;
+  namespace model = colmap_internal;
   const bool binary = HasModel(model_folder, ".bin");
   const std::string extension = binary ? ".bin" : ".txt";
   const fs::path cameras_file = model_folder / ("cameras" + extension);
@@ -113,12 +113,14 @@ ImageSet ReadColmapModel(const fs::path& model_folder) {
   ImageSet set;
   set.format = binary ? "COLMAP binary model" : "COLMAP text model";
   set.file = images_file;
-  const Cameras cameras = binary ? ReadCamerasBinary(cameras_file) : ReadCamerasText(cameras_file);
-  set.images =
-      binary ? ReadImagesBinary(images_file, cameras) : ReadImagesText(images_file, cameras);
+  const model::Cameras cameras =
+      binary ? model::ReadCamerasBinary(cameras_file) : model::ReadCamerasText(cameras_file);
+  set.images = binary ? model::ReadImagesBinary(images_file, cameras)
+                      : model::ReadImagesText(images_file, cameras);
   std::error_code error;
   if (fs::is_regular_file(points_file, error) && fs::file_size(points_file, error) > 0) {
-    set.sparse_points = binary ? ReadPointsBinary(points_file) : ReadPointsText(points_file);
+    set.sparse_points =
+        binary ? model::ReadPointsBinary(points_file) : model::ReadPointsText(points_file);
   }
   return set;
 }

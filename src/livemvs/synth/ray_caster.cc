@@ -45,8 +45,11 @@ RayCaster::RayCaster(const SceneMesh& mesh) : impl_(std::make_unique<Impl>()) {
     rtcReleaseGeometry(geometry);
     throw Error(ErrorKind::kOutOfResource, "Embree: out of memory for the scene's triangles");
   }
+  // NOLINTBEGIN(bugprone-undefined-memory-manipulation): Eigen's vectors of fixed size are plain
+  // data.
   std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Eigen::Vector3f));
   std::memcpy(faces, mesh.faces.data(), mesh.faces.size() * sizeof(Eigen::Vector3i));
+  // NOLINTEND(bugprone-undefined-memory-manipulation)
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(impl_->scene, geometry);
   rtcReleaseGeometry(geometry);

@@ -105,6 +105,46 @@ void AddHouse(SceneWriter& writer, const Vector3f& size) {
   }
 }
 
+// The smaller half of the still life.
+void AddSmallThings(SceneWriter& writer) {
+  writer.Place(-0.012, -0.028, 0, 30);
+  writer.Use({.name = "ball",
+              .texture = Texture::kMarble,
+              .base = FromSrgb(0x7E9A7C),
+              .second = FromSrgb(0xB9C7A4),
+              .accent = FromSrgb(0xE9E4D2),
+              .scale = 0.03f,
+              .contrast = 0.45f});
+  writer->AddEllipsoid({0.f, 0.f, 0.034f}, {0.034f, 0.034f, 0.034f}, 96);
+
+  writer.Place(0.105, -0.065, 0, 0);
+  writer.Use({.name = "ring",
+              .texture = Texture::kStone,
+              .base = FromSrgb(0xC98F52),
+              .second = FromSrgb(0xE3C08C),
+              .accent = FromSrgb(0x6B4423),
+              .scale = 0.02f,
+              .contrast = 0.5f});
+  AddRing(writer, 0.036f, 0.016f);
+
+  writer.Place(-0.118, -0.062, 0, 0);
+  writer.Use({.name = "plain cylinder",
+              .texture = Texture::kPlain,
+              .base = FromSrgb(0xB8C4CC),
+              .textureless = true});
+  writer->AddCylinder(0.027f, 0.f, 0.075f, 128);
+
+  writer.Place(0.02, -0.108, 0, 20);
+  writer.Use({.name = "pebble",
+              .texture = Texture::kStone,
+              .base = FromSrgb(0x7B7F86),
+              .second = FromSrgb(0xA9A59C),
+              .accent = FromSrgb(0x3B3D42),
+              .scale = 0.016f,
+              .contrast = 0.5f});
+  AddPebble(writer, 0.021f);
+}
+
 void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
   scene->box = {{-0.21, -0.15, -0.005}, {0.21, 0.15, 0.2}};
   AddTableTop(writer, 1.0f, 0.8f, -0.004f);
@@ -152,42 +192,7 @@ void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
               .contrast = 0.35f});
   writer->AddBox({-0.036f, -0.026f, 0.f}, {0.036f, 0.026f, 0.098f});
 
-  writer.Place(-0.012, -0.028, 0, 30);
-  writer.Use({.name = "ball",
-              .texture = Texture::kMarble,
-              .base = FromSrgb(0x7E9A7C),
-              .second = FromSrgb(0xB9C7A4),
-              .accent = FromSrgb(0xE9E4D2),
-              .scale = 0.03f,
-              .contrast = 0.45f});
-  writer->AddEllipsoid({0.f, 0.f, 0.034f}, {0.034f, 0.034f, 0.034f}, 96);
-
-  writer.Place(0.105, -0.065, 0, 0);
-  writer.Use({.name = "ring",
-              .texture = Texture::kStone,
-              .base = FromSrgb(0xC98F52),
-              .second = FromSrgb(0xE3C08C),
-              .accent = FromSrgb(0x6B4423),
-              .scale = 0.02f,
-              .contrast = 0.5f});
-  AddRing(writer, 0.036f, 0.016f);
-
-  writer.Place(-0.118, -0.062, 0, 0);
-  writer.Use({.name = "plain cylinder",
-              .texture = Texture::kPlain,
-              .base = FromSrgb(0xB8C4CC),
-              .textureless = true});
-  writer->AddCylinder(0.027f, 0.f, 0.075f, 128);
-
-  writer.Place(0.02, -0.108, 0, 20);
-  writer.Use({.name = "pebble",
-              .texture = Texture::kStone,
-              .base = FromSrgb(0x7B7F86),
-              .second = FromSrgb(0xA9A59C),
-              .accent = FromSrgb(0x3B3D42),
-              .scale = 0.016f,
-              .contrast = 0.5f});
-  AddPebble(writer, 0.021f);
+  AddSmallThings(writer);
 }
 
 void DescribeHouse(SceneWriter& writer, SceneDescription* scene) {

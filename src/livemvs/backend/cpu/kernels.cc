@@ -13,7 +13,7 @@ namespace livemvs {
 namespace LIVEMVS_TARGET {
 namespace {
 
-#include "livemvs/backend/cpu/matcher.h"
+#include "livemvs/backend/cpu/matcher.inc"
 
 /// One seed as the kernel works on it.
 struct Seed {
