@@ -47,6 +47,6 @@ function(livemvs_add_module name)
     add_executable(${name}_test ${ARG_TESTS})
     target_link_libraries(${name}_test PRIVATE livemvs::${name} livemvs_settings ${ARG_PRIVATE_DEPENDS}
                           ${ARG_TEST_DEPENDS} GTest::gmock GTest::gtest_main)
-    gtest_discover_tests(${name}_test NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+    gtest_discover_tests(${name}_test NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 900)
   endif()
 endfunction()
