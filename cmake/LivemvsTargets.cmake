@@ -35,7 +35,7 @@ function(livemvs_add_module name)
   # What is only compiled in does not concern who links the installed library.
   set(private_links "$<BUILD_INTERFACE:livemvs_settings>")
   foreach(dependency IN LISTS ARG_PRIVATE_DEPENDS)
-    if(dependency MATCHES "nlohmann_json|nanoflann")
+    if(dependency MATCHES "nlohmann_json|nanoflann|livemvs::parallel")
       set(dependency "$<BUILD_INTERFACE:${dependency}>")
     endif()
     list(APPEND private_links "${dependency}")

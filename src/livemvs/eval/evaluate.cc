@@ -1,7 +1,5 @@
 #include "livemvs/eval/evaluate.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -10,17 +8,10 @@
 #include <string>
 
 #include "livemvs/map/point_index.h"
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 namespace {
-
-template <typename F>
-void ParallelFor(std::size_t count, const F& f) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 512),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
-                    });
-}
 
 struct Selection {
   std::vector<Eigen::Vector3f> in_box;

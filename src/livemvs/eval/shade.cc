@@ -1,10 +1,9 @@
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "livemvs/eval/color_ramp.h"
 #include "livemvs/eval/render.h"
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 namespace {
@@ -54,7 +53,8 @@ RgbImage ShadeFragments(const FragmentImage& image, int scale, double focal_px, 
   const Eigen::Vector3f top = LinearFromSrgb(kBackgroundTop);
   const Eigen::Vector3f bottom = LinearFromSrgb(kBackgroundBottom);
   const float px_size = static_cast<float>(1 / focal_px);
-  tbb::parallel_for(0, picture.height(), [&](int row) {
+  ParallelFor(static_cast<std::size_t>(picture.height()), [&](std::size_t index) {
+    const int row = static_cast<int>(index);
     const float t = static_cast<float>(row) / static_cast<float>(std::max(picture.height() - 1, 1));
     const Eigen::Vector3f background = top + t * (bottom - top);
     for (int column = 0; column < picture.width(); ++column) {

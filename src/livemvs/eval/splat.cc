@@ -1,12 +1,11 @@
 #include "livemvs/eval/splat.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 namespace {
@@ -50,36 +49,34 @@ std::vector<Disc> ProjectSplats(const std::vector<Splat>& splats,
   const double near = 0.02 * view.focus_depth;
   const float max_radius_px = static_cast<float>(camera.height) / 64;
   std::vector<Disc> discs(splats.size());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, splats.size(), 4096),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          Disc& disc = discs[i];
-          disc.radius_px = 0;
-          const Eigen::Vector3d p = view.cam_from_world * splats[i].position.cast<double>();
-          if (!(p.z() > near)) continue;
-          const auto pixel = projector.Project(p);
-          if (!pixel) continue;
-          disc.z = static_cast<float>(p.z());
-          disc.u = static_cast<float>(pixel->x());
-          disc.v = static_cast<float>(pixel->y());
-          const float scene_per_px = disc.z / static_cast<float>(std::abs(camera.fx));
-          const float r = std::clamp(splats[i].radius / scene_per_px, kMinRadiusPx, max_radius_px);
-          if (disc.u < -r || disc.v < -r || disc.u > static_cast<float>(camera.width) + r ||
-              disc.v > static_cast<float>(camera.height) + r) {
-            continue;
-          }
-          disc.radius_px = r;
-          disc.radius = r * scene_per_px;
-          // The plane through the point, but never so steep that it becomes a spike.
-          constexpr float kSteepest = 2;
-          const Eigen::Vector3f n = rotation * splats[i].normal;
-          if (std::abs(n.z()) > 1e-3f) {
-            disc.slope_u = std::clamp(-n.x() / n.z(), -kSteepest, kSteepest) * scene_per_px;
-            disc.slope_v = std::clamp(-n.y() / n.z(), -kSteepest, kSteepest) * scene_per_px;
-          }
-        }
-      });
+  ParallelForRange(0, splats.size(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i != last; ++i) {
+      Disc& disc = discs[i];
+      disc.radius_px = 0;
+      const Eigen::Vector3d p = view.cam_from_world * splats[i].position.cast<double>();
+      if (!(p.z() > near)) continue;
+      const auto pixel = projector.Project(p);
+      if (!pixel) continue;
+      disc.z = static_cast<float>(p.z());
+      disc.u = static_cast<float>(pixel->x());
+      disc.v = static_cast<float>(pixel->y());
+      const float scene_per_px = disc.z / static_cast<float>(std::abs(camera.fx));
+      const float r = std::clamp(splats[i].radius / scene_per_px, kMinRadiusPx, max_radius_px);
+      if (disc.u < -r || disc.v < -r || disc.u > static_cast<float>(camera.width) + r ||
+          disc.v > static_cast<float>(camera.height) + r) {
+        continue;
+      }
+      disc.radius_px = r;
+      disc.radius = r * scene_per_px;
+      // The plane through the point, but never so steep that it becomes a spike.
+      constexpr float kSteepest = 2;
+      const Eigen::Vector3f n = rotation * splats[i].normal;
+      if (std::abs(n.z()) > 1e-3f) {
+        disc.slope_u = std::clamp(-n.x() / n.z(), -kSteepest, kSteepest) * scene_per_px;
+        disc.slope_v = std::clamp(-n.y() / n.z(), -kSteepest, kSteepest) * scene_per_px;
+      }
+    }
+  });
   return discs;
 }
 
@@ -176,7 +173,7 @@ FragmentImage DrawSplats(const std::vector<Splat>& splats, const RenderView& vie
   const std::vector<Disc> discs = ProjectSplats(splats, view, camera);
   const std::vector<std::vector<std::uint32_t>> bands = SortIntoBands(discs, camera.height);
   const Eigen::Matrix3f rotation = view.cam_from_world.rotation.cast<float>();
-  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t b) {
+  ParallelFor(bands.size(), [&](std::size_t b) {
     DrawBand(splats, discs, bands[b], rotation, static_cast<int>(b) * kBandRows, &image);
   });
   return image;
@@ -193,7 +190,8 @@ FragmentImage DrawMesh(const TriangleMesh& mesh,
   const Rigid3d world_from_cam = view.cam_from_world.Inverse();
   const Eigen::Vector3f center = world_from_cam.translation.cast<float>();
   const Eigen::Matrix3f rotation = view.cam_from_world.rotation.cast<float>();
-  tbb::parallel_for(0, camera.height, [&](int y) {
+  ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
     for (int x = 0; x < camera.width; ++x) {
       const auto ray = projector.Unproject({x, y});
       if (!ray) continue;

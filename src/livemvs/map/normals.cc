@@ -1,7 +1,5 @@
 #include "livemvs/map/normals.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <Eigen/Eigenvalues>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "livemvs/map/point_index.h"
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 namespace {
@@ -71,19 +70,16 @@ FinitePoints SelectFinite(const PointCloud& cloud) {
   return finite;
 }
 
-template <typename F>
-void ParallelFor(std::size_t count, const F& f) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1024),
-                    [&](const tbb::blocked_range<std::size_t>& range) { f(range); });
-}
+/// Points that a thread takes at a time.
+constexpr std::size_t kGrain = 1024;
 
 /// Squared distance of every `step`-th point to its k-th nearest other point.
 std::vector<float> KthDistance2(const PointIndex& index, int k, std::size_t step) {
   std::vector<float> distance2((index.size() + step - 1) / step,
                                std::numeric_limits<float>::infinity());
-  ParallelFor(distance2.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+  ParallelForRange(0, distance2.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+    for (std::size_t i = first; i != last; ++i) {
       index.Nearest(index.points()[i * step], k + 1, &neighbors);
       if (neighbors.size() == static_cast<std::size_t>(k) + 1) {
         distance2[i] = neighbors.back().distance2;
@@ -140,9 +136,9 @@ void EstimateNormals(PointCloud& cloud, int k) {
   constexpr std::size_t kMedianOf = 20000;
   const float median2 = Median(KthDistance2(index, count - 1, index.size() / kMedianOf + 1));
   const float max_distance2 = kNearFactor * kNearFactor * median2;
-  ParallelFor(index.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+    for (std::size_t i = first; i != last; ++i) {
       index.Nearest(index.points()[i], count, &neighbors);
       const auto normal = PlaneNormal(index.points(), neighbors, max_distance2);
       if (!normal) continue;
@@ -159,9 +155,9 @@ std::vector<float> PointSpacing(const PointCloud& cloud, int k) {
   std::vector<float> spacing(cloud.size(), 0.0f);
   std::vector<float> own(index.size(), std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> nearest(index.size() * static_cast<std::size_t>(k));
-  ParallelFor(index.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+    for (std::size_t i = first; i != last; ++i) {
       index.Nearest(index.points()[i], k + 1, &neighbors);
       for (std::size_t j = 0; j < static_cast<std::size_t>(k); ++j) {
         const bool known = j + 1 < neighbors.size();
@@ -174,9 +170,9 @@ std::vector<float> PointSpacing(const PointCloud& cloud, int k) {
     }
   });
   // A lonely point beside a surface takes the spacing of the surface.
-  ParallelFor(index.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<float> others(static_cast<std::size_t>(k));
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+    for (std::size_t i = first; i != last; ++i) {
       for (std::size_t j = 0; j < others.size(); ++j) {
         others[j] = own[nearest[i * others.size() + j]];
       }

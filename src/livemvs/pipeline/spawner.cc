@@ -1,8 +1,5 @@
 #include "livemvs/pipeline/spawner.h"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -10,8 +7,13 @@
 #include <cmath>
 #include <cstring>
 
+#include "livemvs/parallel/parallel_for.h"
+
 namespace livemvs {
 namespace {
+
+// Seeds or points that a thread takes at a time.
+constexpr std::size_t kGrain = 1024;
 
 // Seeds keep this far from the border, so that their patch and its gradient lie in the picture.
 constexpr int kBorder = kPatchRadius + 1;
@@ -115,20 +117,21 @@ void Spawner::CoverBySeeds(const PosedFrame& frame, const SeedPool& pool) {
     const RelativeView<float> view = MakeRelativeView(
         reference.camera, reference.cam_from_world, frame.camera, params, frame.cam_from_world);
     VisitModel(frame.camera.model, [&](auto model) {
-      tbb::parallel_for(tbb::blocked_range(reference.begin, reference.end), [&](const auto& block) {
-        for (std::size_t i = block.begin(); i < block.end(); ++i) {
-          if (s.fate[i] != Fate::kAlive) continue;
-          const auto p = ProjectSeed<decltype(model)>(view,
-                                                      options_.coordinate,
-                                                      {s.c0[i], s.c1[i]},
-                                                      s.bearing_x[i],
-                                                      s.bearing_y[i],
-                                                      s.mu[i]);
-          if (p.visible && p.x >= 0 && p.y >= 0 && p.x < view.width && p.y < view.height) {
-            Stamp(p.x, p.y);
-          }
-        }
-      });
+      ParallelForRange(
+          reference.begin, reference.end, kGrain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) {
+              if (s.fate[i] != Fate::kAlive) continue;
+              const auto p = ProjectSeed<decltype(model)>(view,
+                                                          options_.coordinate,
+                                                          {s.c0[i], s.c1[i]},
+                                                          s.bearing_x[i],
+                                                          s.bearing_y[i],
+                                                          s.mu[i]);
+              if (p.visible && p.x >= 0 && p.y >= 0 && p.x < view.width && p.y < view.height) {
+                Stamp(p.x, p.y);
+              }
+            }
+          });
     });
   }
 }
@@ -142,8 +145,8 @@ void Spawner::CoverByPoints(const PosedFrame& frame, const PointCloud& points) {
   const auto width = static_cast<float>(frame.camera.width);
   const auto height = static_cast<float>(frame.camera.height);
   VisitModel(frame.camera.model, [&](auto model) {
-    tbb::parallel_for(tbb::blocked_range(std::size_t{0}, points.size()), [&](const auto& block) {
-      for (std::size_t i = block.begin(); i < block.end(); ++i) {
+    ParallelForRange(0, points.size(), kGrain, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
         const Eigen::Vector3f p = rotation * points[i].position + translation;
         if (!(p.z() > 0)) continue;
         const float x = p.x() / p.z(), y = p.y() / p.z();
@@ -165,30 +168,31 @@ void Spawner::FindCandidates(const ImageView<std::uint8_t>& grey, const PixelRec
   // n² var = n Σv² - (Σv)², in integers.
   const auto least = static_cast<std::int32_t>(options_.min_patch_stddev *
                                                options_.min_patch_stddev * kPixels * kPixels);
-  tbb::parallel_for(tbb::blocked_range(kBorder, std::max(kBorder, grey.height - kBorder), 32),
-                    [&](const tbb::blocked_range<int>& rows) {
-                      ColumnSums columns{std::vector<std::int32_t>(grey.width),
-                                         std::vector<std::int32_t>(grey.width)};
-                      for (int y = rows.begin(); y < rows.end(); ++y) {
-                        std::memset(candidate_.Row(y), 0, grey.width);
-                        if (y < rect.y0 || y >= rect.y1 || y % options_.seed_spacing_px != 0)
-                          continue;
-                        SumColumns(grey, y, &columns);
-                        for (int x = rect.x0; x < rect.x1; ++x) {
-                          if (x % options_.seed_spacing_px != 0 || covered_(x, y)) continue;
-                          std::int32_t sum = 0, squares = 0;
-                          for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
-                            sum += columns.sum[x + dx];
-                            squares += columns.squares[x + dx];
-                          }
-                          if (kPatchPixels * squares - sum * sum < least) continue;
-                          const int cell_x = x / options_.seed_spacing_px % 4,
-                                    cell_y = y / options_.seed_spacing_px % 4;
-                          candidate_(x, y) =
-                              static_cast<std::uint8_t>(1 + kPhaseOfCell[4 * cell_y + cell_x]);
-                        }
-                      }
-                    });
+  ParallelForRange(
+      kBorder,
+      std::max(kBorder, grey.height - kBorder),
+      32,
+      [&](std::size_t first_row, std::size_t last_row) {
+        ColumnSums columns{std::vector<std::int32_t>(grey.width),
+                           std::vector<std::int32_t>(grey.width)};
+        for (int y = static_cast<int>(first_row); y < static_cast<int>(last_row); ++y) {
+          std::memset(candidate_.Row(y), 0, grey.width);
+          if (y < rect.y0 || y >= rect.y1 || y % options_.seed_spacing_px != 0) continue;
+          SumColumns(grey, y, &columns);
+          for (int x = rect.x0; x < rect.x1; ++x) {
+            if (x % options_.seed_spacing_px != 0 || covered_(x, y)) continue;
+            std::int32_t sum = 0, squares = 0;
+            for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
+              sum += columns.sum[x + dx];
+              squares += columns.squares[x + dx];
+            }
+            if (kPatchPixels * squares - sum * sum < least) continue;
+            const int cell_x = x / options_.seed_spacing_px % 4,
+                      cell_y = y / options_.seed_spacing_px % 4;
+            candidate_(x, y) = static_cast<std::uint8_t>(1 + kPhaseOfCell[4 * cell_y + cell_x]);
+          }
+        }
+      });
 }
 
 std::int64_t Spawner::Plant(const PosedFrame& frame, std::size_t slots, SeedPool* pool) {

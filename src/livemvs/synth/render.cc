@@ -1,7 +1,5 @@
 #include "livemvs/synth/render.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "livemvs/parallel/parallel_for.h"
 #include "livemvs/synth/random.h"
 
 namespace livemvs {
@@ -204,7 +203,8 @@ RenderedFrame RenderFrame(const SyntheticScene& scene,
     out.z_depth = Image<float>(camera.width, camera.height);
     out.material = Image<std::uint8_t>(camera.width, camera.height);
   }
-  tbb::parallel_for(0, camera.height, [&](int y) { RenderRow(shot, frame_index, y, &out); });
+  ParallelFor(static_cast<std::size_t>(camera.height),
+              [&](std::size_t y) { RenderRow(shot, frame_index, static_cast<int>(y), &out); });
   return out;
 }
 

@@ -1,8 +1,5 @@
 #include "livemvs/synth/scene.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -10,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "livemvs/parallel/parallel_for.h"
 #include "livemvs/synth/ray_caster.h"
 #include "livemvs/synth/scene_builders.h"
 
@@ -122,10 +120,10 @@ void SyntheticScene::PlanLight() {
 void SyntheticScene::ComputeLight() {
   PlanLight();
   const synth::SceneMesh& mesh = description_.mesh;
-  tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t i) {
+  ParallelFor(mesh.positions.size(), [&](std::size_t i) {
     light_[i] = LightAtPoint(description_, *caster_, mesh.positions[i], mesh.normals[i]);
   });
-  tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t f) {
+  ParallelFor(mesh.faces.size(), [&](std::size_t f) {
     const auto [first, steps] = grids_[f];
     if (steps == 1) return;
     const Eigen::Vector3i& c = mesh.faces[f];

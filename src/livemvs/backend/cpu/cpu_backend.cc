@@ -1,6 +1,3 @@
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -8,6 +5,7 @@
 
 #include "livemvs/backend/backend.h"
 #include "livemvs/backend/cpu/kernels.h"
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 
@@ -69,7 +67,7 @@ class CpuBackend final : public Backend {
       }
     }
     results_.assign(tasks_.size(), {});
-    tbb::parallel_for(std::size_t{0}, tasks_.size(), [&](std::size_t i) {
+    ParallelFor(tasks_.size(), [&](std::size_t i) {
       results_[i] = kernel_.update(tasks_[i].job, tasks_[i].begin, tasks_[i].end);
     });
     UpdateStatistics sum;
