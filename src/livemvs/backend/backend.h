@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,13 +12,14 @@
 
 namespace livemvs {
 
-/// Consecutive seeds [begin, end) that were born in the same frame, and how it lies to the current
-/// one.
+/// Consecutive seeds [begin, end) that were born in the same frame at the same level of its
+/// pyramid, and how it lies to the current one.
 struct SeedGroup {
   std::size_t begin;
   std::size_t end;
-  RelativeView<float> view;
-  float pixel_width;  ///< 1 / f of the reference camera.
+  int level;                 ///< Of the pyramid: the image that the seeds meet.
+  RelativeView<float> view;  ///< Both cameras at that level.
+  float pixel_width;         ///< 1 / f of the reference camera at level 0.
 };
 
 /// What one update of all seeds did, by the status of the match and the fate that followed.
@@ -49,10 +51,11 @@ class Backend {
 
   /// Meets all seeds of the groups with the current frame: project, match, fuse, judge. Writes
   /// their posterior, counts and fate. All groups' cameras have the model `model`.
+  /// @param pyramid  The current frame, halved from level to level.
   virtual UpdateStatistics Update(const SeedColumns& seeds,
                                   const std::vector<SeedGroup>& groups,
                                   CameraModel model,
-                                  const ImageView<std::uint8_t>& image) = 0;
+                                  std::span<const ImageView<std::uint8_t>> pyramid) = 0;
 };
 
 /// The CPU backend. Options are copied.

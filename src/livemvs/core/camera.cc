@@ -25,6 +25,18 @@ void CheckFinite(double value, const char* name) {
 
 }  // namespace
 
+Camera AtLevel(const Camera& camera, int level) {
+  Camera smaller = camera;
+  const double scale = std::ldexp(1.0, -level);
+  smaller.width = camera.width >> level;
+  smaller.height = camera.height >> level;
+  smaller.fx *= scale;
+  smaller.fy *= scale;
+  smaller.cx = (camera.cx + 0.5) * scale - 0.5;
+  smaller.cy = (camera.cy + 0.5) * scale - 0.5;
+  return smaller;
+}
+
 void Camera::Check() const {
   if (width < 1 || height < 1 || width > 32768 || height > 32768) {
     throw std::invalid_argument("camera: image size " + std::to_string(width) + " x " +

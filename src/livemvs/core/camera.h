@@ -41,6 +41,10 @@ struct Camera {
   }
 };
 
+/// The camera of the image halved `level` times: a pixel of it is the mean of a square of
+/// 2^level pixels, whose centre lies between theirs. An odd last row or column is lost.
+Camera AtLevel(const Camera& camera, int level);
+
 /// A distorted point and the derivative of the distortion there.
 template <typename T>
 struct DistortedPoint {

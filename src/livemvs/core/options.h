@@ -31,6 +31,9 @@ struct Options {
   // -------------------------------------------------------------------
   /// M, the number of seeds that are kept alive.
   int max_seeds = 250'000;
+  /// Levels of the image pyramid on which seeds live: each sees half the detail of the one below,
+  /// and with the same patch four times the surface. 1: none, as published.
+  int levels = 3;
   /// Distance between neighbouring seeds of one frame [px].
   int seed_spacing_px = 1;
   /// A pixel is given a seed only if no live seed and no point that was seen from a similar
@@ -40,6 +43,7 @@ struct Options {
   float cover_angle_deg = 50;
   /// Least standard deviation of a patch's grey levels to be worth a seed.
   float min_patch_stddev = 5;
+  float coarse_stddev = 4;
 
   // --- The prior, [VH11] Sec. 4.2
   // ---------------------------------------------------------------------
@@ -79,6 +83,7 @@ struct Options {
   /// edge or the poses drift [px]. It does not average out, but shrinks as the baseline grows: the
   /// posterior's variance at conversion is enlarged by it. 0: none, as published.
   float match_bias_px = 0.15F;
+  float epipolar_error_px = 0;
   OutlierDensity outlier_density = OutlierDensity::kWindow;
 
   // --- The end of a seed, [VH11] Sec. 4.3
@@ -110,10 +115,12 @@ struct Options {
 template <typename AnyOptions, typename Visit>
 void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("max_seeds", o.max_seeds);
+  visit("levels", o.levels);
   visit("seed_spacing_px", o.seed_spacing_px);
   visit("cover_radius_px", o.cover_radius_px);
   visit("cover_angle_deg", o.cover_angle_deg);
   visit("min_patch_stddev", o.min_patch_stddev);
+  visit("coarse_stddev", o.coarse_stddev);
   visit("prior_a", o.prior_a);
   visit("prior_b", o.prior_b);
   visit("coordinate", o.coordinate);
@@ -130,6 +137,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("image_noise", o.image_noise);
   visit("max_measurement_sigma_px", o.max_measurement_sigma_px);
   visit("match_bias_px", o.match_bias_px);
+  visit("epipolar_error_px", o.epipolar_error_px);
   visit("outlier_density", o.outlier_density);
   visit("eta_outlier", o.eta_outlier);
   visit("outlier_certainty", o.outlier_certainty);

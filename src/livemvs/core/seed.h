@@ -61,9 +61,8 @@ LIVEMVS_HD inline T DepthRange(DepthCoordinate coordinate, const Interval<T>& in
 
 /// Variance of mu with the error that all matches share: `step` is the change of mu per pixel of
 /// the current frame, so that the term shrinks as the baseline grows.
-LIVEMVS_HD inline float TotalVariance(const Options& options, float sigma2, float step) {
-  const float bias = options.match_bias_px * step;
-  return sigma2 + bias * bias;
+LIVEMVS_HD inline float TotalVariance(float sigma2, float bias2_px, float step) {
+  return sigma2 + bias2_px * step * step;
 }
 
 /// Decides the outcome of a seed after a frame, [VH11] Sec. 4.3.

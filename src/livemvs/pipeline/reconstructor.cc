@@ -62,6 +62,7 @@ std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
 }
 
 void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
+  pyramid_.Build(frame.picture->grey, options_.levels);
   // [VH11] Algorithm 1. Steps 2 to 4 come first: a seed tells nothing in the frame it was born in.
   UpdateSeeds(frame);   // step 2: project, match, fuse
   CollectSeeds(frame);  // steps 3 and 4: remove outliers, convert what has converged
@@ -72,20 +73,28 @@ void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
 void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.update_seconds);
   groups_.clear();
-  const CameraParams<float> params = MakeCameraParams<float>(frame.camera);
+  std::vector<Camera> cameras;
+  std::vector<CameraParams<float>> params;
+  for (std::size_t level = 0; level < pyramid_.levels().size(); ++level) {
+    cameras.push_back(AtLevel(frame.camera, static_cast<int>(level)));
+    params.push_back(MakeCameraParams<float>(cameras.back()));
+  }
   for (const ReferenceFrame& reference : pool_.references()) {
-    groups_.push_back(
-        {reference.begin,
-         reference.end,
-         MakeRelativeView(reference.camera,
-                          reference.cam_from_world,
-                          frame.camera,
-                          params,
-                          frame.cam_from_world),
-         static_cast<float>(1 / std::sqrt(std::abs(reference.camera.fx * reference.camera.fy)))});
+    const auto level = static_cast<std::size_t>(reference.level);
+    if (level >= cameras.size()) continue;  // a smaller picture than the one they were born in
+    const double focal = std::sqrt(std::abs(reference.camera.fx * reference.camera.fy));
+    groups_.push_back({reference.begin,
+                       reference.end,
+                       reference.level,
+                       MakeRelativeView(reference.camera,
+                                        reference.cam_from_world,
+                                        cameras[level],
+                                        params[level],
+                                        frame.cam_from_world),
+                       static_cast<float>(std::ldexp(1 / focal, -reference.level))});
   }
   statistics_.updates +=
-      backend_->Update(pool_.columns(), groups_, frame.camera.model, frame.picture->grey.view());
+      backend_->Update(pool_.columns(), groups_, frame.camera.model, pyramid_.levels());
 }
 
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
@@ -136,6 +145,7 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   point.sigma = z.sigma;
   point.inlier_ratio = s.a[i] / (s.a[i] + s.b[i]);
   point.views = s.counts[i].views;
+  point.level = static_cast<std::uint8_t>(reference.level);
   if (const auto pixel = projector.Project(in_cur)) {
     const auto clamped = [](double v, int size) {
       return static_cast<int>(std::lround(std::clamp(v, 0.0, size - 1.0)));
@@ -150,7 +160,7 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
 void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.spawn_seconds);
   if (static_cast<double>(pool_.free_slots()) < kFreeShare * options_.max_seeds) return;
-  statistics_.seeds_spawned += spawner_.Spawn(frame, points_, &pool_);
+  statistics_.seeds_spawned += spawner_.Spawn(frame, pyramid_.levels(), points_, &pool_);
 }
 
 }  // namespace livemvs

@@ -11,6 +11,7 @@
 #include "livemvs/core/frame.h"
 #include "livemvs/core/options.h"
 #include "livemvs/core/point.h"
+#include "livemvs/pipeline/pyramid.h"
 #include "livemvs/pipeline/scene_range.h"
 #include "livemvs/pipeline/seed_pool.h"
 #include "livemvs/pipeline/spawner.h"
@@ -69,6 +70,7 @@ class Reconstructor {
   Options options_;
   std::unique_ptr<Workers> workers_;
   SeedPool pool_;
+  Pyramid pyramid_;
   Spawner spawner_;
   std::unique_ptr<Backend> backend_;
   PointCloud points_;

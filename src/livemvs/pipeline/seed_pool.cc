@@ -28,9 +28,10 @@ SeedPool::SeedPool(std::size_t capacity) : capacity_(capacity) {
 }
 
 void SeedPool::BeginReference(std::int64_t frame_index,
+                              int level,
                               const Camera& camera,
                               const Rigid3d& cam_from_world) {
-  references_.push_back({end_, end_, frame_index, camera, cam_from_world});
+  references_.push_back({end_, end_, frame_index, level, camera, cam_from_world});
 }
 
 void SeedPool::EndReference() {

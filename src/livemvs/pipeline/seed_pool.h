@@ -18,12 +18,13 @@ struct NewSeed {
   std::ptrdiff_t stride;      ///< ... whose rows are this far apart.
 };
 
-/// Seeds born in the same frame: entries [begin, end) of the pool.
+/// Seeds born in the same frame at the same level of its pyramid: entries [begin, end) of the pool.
 struct ReferenceFrame {
   std::size_t begin;
   std::size_t end;
   std::int64_t frame_index;
-  Camera camera;
+  int level;
+  Camera camera;  ///< At that level.
   Rigid3d cam_from_world;
 };
 
@@ -42,6 +43,7 @@ class SeedPool {
 
   /// Opens a new group; Add() appends to it.
   void BeginReference(std::int64_t frame_index,
+                      int level,
                       const Camera& camera,
                       const Rigid3d& cam_from_world);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "livemvs/core/frame.h"
@@ -26,21 +27,38 @@ class Spawner {
  public:
   Spawner(const Options& options, const SceneRange& range);
 
-  /// Adds a group of seeds to the pool and returns how many.
-  std::int64_t Spawn(const PosedFrame& frame, const PointCloud& points, SeedPool* pool);
+  /// Adds a group of seeds to the pool for each level of the frame's pyramid, and returns how many
+  /// seeds in all.
+  std::int64_t Spawn(const PosedFrame& frame,
+                     std::span<const ImageView<std::uint8_t>> pyramid,
+                     const PointCloud& points,
+                     SeedPool* pool);
 
  private:
-  void CoverBySeeds(const PosedFrame& frame, const SeedPool& pool);
-  void CoverByPoints(const PosedFrame& frame, const PointCloud& points);
-  void FindCandidates(const ImageView<std::uint8_t>& grey, const PixelRect& rect);
-  void Stamp(float x, float y);
-  std::int64_t Plant(const PosedFrame& frame, std::size_t slots, SeedPool* pool);
-  bool PlantOne(const PosedFrame& frame, const Projector& projector, int x, int y, SeedPool* pool);
+  /// The frame at one level of its pyramid.
+  struct View {
+    int level;
+    ImageView<std::uint8_t> grey;
+    Camera camera;
+    Rigid3d cam_from_world;
+    std::int64_t frame_index;
+  };
+  /// What is kept of each level between frames.
+  struct Maps {
+    Image<std::uint8_t> covered;    // 1 where no seed is wanted
+    Image<std::uint8_t> candidate;  // 1 + phase of the thinning pattern where a seed may be planted
+  };
+
+  void CoverBySeeds(const View& view, const SeedPool& pool, Maps* maps) const;
+  void CoverByPoints(const View& view, const PointCloud& points, Maps* maps) const;
+  void FindCandidates(const View& view, Maps* maps) const;
+  void Stamp(float x, float y, Image<std::uint8_t>* covered) const;
+  std::int64_t Plant(const View& view, const Maps& maps, std::size_t slots, SeedPool* pool) const;
+  bool PlantOne(const View& view, const Projector& projector, int x, int y, SeedPool* pool) const;
 
   Options options_;
   SceneRange range_;
-  Image<std::uint8_t> covered_;    // 1 where no seed is wanted
-  Image<std::uint8_t> candidate_;  // 1 + phase of the thinning pattern where a seed may be planted
+  std::vector<Maps> maps_;  // by level
 };
 
 }  // namespace livemvs

@@ -28,6 +28,7 @@ struct Measurement {
   float x;     ///< mu of the match.
   float tau2;  ///< Its variance [mu²].
   float u;     ///< Density of outliers there.
+  float bias2_px;  ///< Variance of the error that all matches of the seed share [px²].
 };
 
 /// A search radius that the seed's interval always cuts short [px].
@@ -69,8 +70,10 @@ MatchStatus Measure(const UpdateJob& job,
   const RelativeView<float>& view = job.group->view;
   // The line's direction in the reference patch.
   const float c = job.warp ? view.roll_cos : 1, s = job.warp ? view.roll_sin : 0;
-  const float gradient = GradientAlong(seed.patch, c * p.dx + s * p.dy, c * p.dy - s * p.dx);
-  const float tau2_px = MeasurementSigma2(options, gradient);
+  const Texture texture = TextureAlong(seed.patch, c * p.dx + s * p.dy, c * p.dy - s * p.dx);
+  const float slip = options.epipolar_error_px * texture.along_across / (texture.along2 + 1e-6F);
+  const float tau2_px = MeasurementSigma2(options, texture.along2) + slip * slip;
+  measurement->bias2_px = options.match_bias_px * options.match_bias_px + slip * slip;
   if (tau2_px > options.max_measurement_sigma_px * options.max_measurement_sigma_px) {
     return MatchStatus::kNoInformation;
   }
@@ -140,7 +143,7 @@ MatchStatus UpdateSeed(const UpdateJob& job, std::size_t i) {
                   : counts.unseen < 255             ? static_cast<std::uint8_t>(counts.unseen + 1)
                                                     : counts.unseen;
   const float total_sigma2 =
-      status == MatchStatus::kMatched ? TotalVariance(*job.options, q.sigma2, 1 / p.rate) : -1;
+      status == MatchStatus::kMatched ? TotalVariance(q.sigma2, measurement.bias2_px, 1 / p.rate) : -1;
   Fate fate = Judge(*job.options,
                     *job.is_outlier,
                     seed.interval,
