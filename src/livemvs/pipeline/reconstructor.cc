@@ -91,7 +91,7 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
                                         cameras[level],
                                         params[level],
                                         frame.cam_from_world),
-                       static_cast<float>(std::ldexp(1 / focal, -reference.level))});
+                       static_cast<float>(1 / focal * std::pow(2, -reference.level * options_.level_gamma))});
   }
   statistics_.updates +=
       backend_->Update(pool_.columns(), groups_, frame.camera.model, pyramid_.levels());
