@@ -59,7 +59,7 @@ TEST(Scene, ShadowsAreDarkerThanTheOpenTable) {
     for (int i = 0; i < 400; ++i) {
       const double dx = 0.0004 * (i % 20 - 10), dy = 0.0004 * (i / 20 - 10);
       if (Table().Intersect({x + dx, y + dy, 1.0}, {0, 0, -1}, &hit)) {
-        sum += Table().Radiance(hit, 0.001f).mean();
+        sum += Table().Radiance(hit, -Vector3f::UnitZ(), 0.001f).mean();
       }
     }
     return sum;
@@ -74,7 +74,7 @@ TEST(Scene, FinerPixelsShowFinerTexture) {
     double sum = 0, last = 0;
     for (int i = 0; i < 1000; ++i) {
       EXPECT_TRUE(Table().Intersect({-0.3 + 1e-4 * i, -0.3, 1.0}, {0, 0, -1}, &hit));
-      const double value = Table().Radiance(hit, footprint).mean();
+      const double value = Table().Radiance(hit, -Vector3f::UnitZ(), footprint).mean();
       if (i > 0) sum += std::abs(value - last);
       last = value;
     }
