@@ -227,16 +227,19 @@ void AddSmallThings(SceneWriter& writer) {
               .second = FromSrgb(0x6E5A32),
               .scale = 0.0016f,
               .contrast = 0.5f});
-  writer->AddRevolution({{0.019f, 0.f},
-                         {0.034f, 0.f},
-                         {0.034f, 0.f},
-                         {0.034f, 0.02f},
-                         {0.034f, 0.02f},
-                         {0.019f, 0.02f},
-                         {0.019f, 0.02f},
-                         {0.019f, 0.f}},
-                        96,
-                        56);
+  writer->AddSurface(
+      [](float u, float v) {
+        // Round the section, a rectangle with rounded corners.
+        const auto bulge = [](float x) { return std::copysign(std::pow(std::abs(x), 0.25f), x); };
+        const float around = kTwoPi * (u - std::floor(u));
+        const float section = kTwoPi * (v - std::floor(v));
+        const float radius = 0.0265f + 0.0075f * bulge(std::cos(section));
+        return Vector3f(radius * std::cos(around),
+                        radius * std::sin(around),
+                        0.01f + 0.01f * bulge(std::sin(section)));
+      },
+      96,
+      96);
 
   writer.Place(-0.195, -0.03, 0, 0);
   writer.Use({.name = "tin",
@@ -254,7 +257,7 @@ void AddSmallThings(SceneWriter& writer) {
       },
       96,
       120);
-  writer->AddCylinder(0.0268f, 0.076f, 0.079f, 96);
+  writer->AddCylinder(0.0279f, 0.0775f, 0.0802f, 96);
 }
 
 }  // namespace
