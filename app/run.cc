@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -231,29 +232,56 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s) {
   LogWarning("no point converged; likely because: " + reason);
 }
 
+// Settles what depends on the data, and says so.
+Options FitToData(const Options& options, const Dataset& dataset, const SceneRange& range) {
+  LogInfo("looking for surfaces at " + Describe(range));
+  Options fitted = ResolveSearch(CamerasOf(dataset), range, options);
+  LogInfo(fitted.search == Search::kFull
+              ? "searching whole epipolar lines: the steps between frames are wide"
+              : "searching near the prediction: the steps between frames are small");
+  return fitted;
+}
+
+// Estimates normals where they are wanted, and writes the cloud.
+void WriteCloud(const RunArguments& args, PointCloud* cloud) {
+  const bool estimate_normals = !args.ray_normals && !Interrupted();
+  if (estimate_normals) EstimateNormals(*cloud);
+  WritePly(args.output,
+           *cloud,
+           estimate_normals ? "of the plane through the 16 nearest points, on the camera's side"
+                            : "towards the camera that planted the seed");
+}
+
+void WriteStatistics(const fs::path& path, const nlohmann::json& statistics) {
+  AtomicFile file(path);
+  file.Write(statistics.dump(2) + "\n");
+  file.Commit();
+  std::printf("%s\n", fs::absolute(path).c_str());
+}
+
+// All that runs in parallel uses as many threads, normals too.
+std::optional<tbb::global_control> LimitThreads(int threads) {
+  if (threads <= 0) return std::nullopt;
+  return std::optional<tbb::global_control>(std::in_place,
+                                            tbb::global_control::max_allowed_parallelism,
+                                            static_cast<std::size_t>(threads));
+}
+
 void Run(const RunArguments& args) {
   const Clock::time_point start = Clock::now();
-  Options options = MakeOptions(args);
+  MakeOptions(args);  // wrong ones are told before any work
   CheckOutputs({{args.output, "the cloud", "a point cloud", "ply"},
                 {args.stats, "the statistics", "", ""},
                 {args.trace, "the trace", "a seed trace", kSeedTraceMagic}},
                {args.dataset.data, args.dataset.poses, args.dataset.camera});
-  std::optional<tbb::global_control> thread_limit;  // for all that runs in parallel, normals too
-  if (args.threads > 0) {
-    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
-                         static_cast<std::size_t>(args.threads));
-  }
+  const std::optional<tbb::global_control> thread_limit = LimitThreads(args.threads);
   const ProgressMode progress_mode = ParseProgressMode(args.progress);
   CatchInterrupts();
   DatasetOptions dataset_options = args.dataset;
   dataset_options.cancelled = Interrupted;
   const std::unique_ptr<Dataset> dataset = OpenDataset(dataset_options);
   const SceneRange range = MakeRange(args, *dataset);
-  LogInfo("looking for surfaces at " + Describe(range));
-  options = ResolveSearch(CamerasOf(*dataset), range, options);
-  LogInfo(options.search == Search::kFull
-              ? "searching whole epipolar lines: the steps between frames are wide"
-              : "searching near the prediction: the steps between frames are small");
+  const Options options = FitToData(MakeOptions(args), *dataset, range);
 
   Reconstructor reconstructor(options, range);
   std::optional<TraceObserver> trace;
@@ -273,12 +301,7 @@ void Run(const RunArguments& args) {
 
   PointCloud cloud = reconstructor.TakePoints();
   if (cloud.empty()) ExplainEmptyCloud(reconstructor.statistics());
-  const bool estimate_normals = !args.ray_normals && !Interrupted();
-  if (estimate_normals) EstimateNormals(cloud);
-  WritePly(args.output,
-           cloud,
-           estimate_normals ? "of the plane through the 16 nearest points, on the camera's side"
-                            : "towards the camera that planted the seed");
+  WriteCloud(args, &cloud);
   const nlohmann::json statistics = StatisticsJson(args,
                                                    options,
                                                    range,
@@ -294,12 +317,7 @@ void Run(const RunArguments& args) {
               SecondsSince(start),
               statistics["frames_per_second"].get<double>());
   std::printf("%s\n", fs::absolute(args.output).c_str());
-  if (!args.stats.empty()) {
-    AtomicFile file(args.stats);
-    file.Write(statistics.dump(2) + "\n");
-    file.Commit();
-    std::printf("%s\n", fs::absolute(args.stats).c_str());
-  }
+  if (!args.stats.empty()) WriteStatistics(args.stats, statistics);
   if (failure) std::rethrow_exception(failure);
   if (trace) {
     reconstructor.ReportLiveSeeds();
