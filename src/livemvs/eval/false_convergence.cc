@@ -42,15 +42,45 @@ std::map<std::int64_t, Birthplace> Prepare(std::span<const LabelledView> views) 
   return places;
 }
 
-// The depth's error as a share of the true one along the seed's ray.
-float RelativeError(const SeedRecord& seed, const Birthplace& place, const MeshSurface& surface) {
-  const auto ray = place.projector.Unproject({seed.x, seed.y});
+// How a converged seed compares with the truth.
+struct Verdict {
+  float error = 0;      // of the depth, as a share of the true one
+  bool beside = false;  // false, and at the depth of another surface in the patch
+};
+
+// The error of a z depth at a pixel, as a share of the true one there.
+float RelativeError(double z_depth,
+                    const Eigen::Vector2d& pixel,
+                    const Birthplace& p,
+                    const MeshSurface& surface) {
+  const auto ray = p.projector.Unproject(pixel);
   if (!ray) return kNothingThere;
-  const Eigen::Vector3d direction = place.world_from_cam.rotation * ray->normalized();
+  // The ray's z is 1, so that its parameter is the z depth.
+  const Eigen::Vector3d direction = p.world_from_cam.rotation * *ray;
   const auto hit =
-      surface.FirstHit(place.world_from_cam.translation.cast<float>(), direction.cast<float>());
+      surface.FirstHit(p.world_from_cam.translation.cast<float>(), direction.cast<float>());
   if (!hit) return kNothingThere;
-  return std::abs(seed.depth - hit->distance) / hit->distance;
+  const double truth = hit->distance;
+  return static_cast<float>(std::abs(z_depth - truth) / truth);
+}
+
+Verdict Judge(const SeedRecord& seed,
+              const Birthplace& place,
+              const MeshSurface& surface,
+              double tolerance) {
+  const Eigen::Vector2d pixel(seed.x, seed.y);
+  const auto ray = place.projector.Unproject(pixel);
+  if (!ray) return {kNothingThere};
+  const double z_depth = seed.depth / ray->norm();
+  Verdict verdict{RelativeError(z_depth, pixel, place, surface)};
+  if (verdict.error <= tolerance) return verdict;
+  for (int dy = -kPatchRadius; dy <= kPatchRadius && !verdict.beside; ++dy) {
+    for (int dx = -kPatchRadius; dx <= kPatchRadius && !verdict.beside; ++dx) {
+      const Eigen::Vector2d neighbour = pixel + Eigen::Vector2d(dx, dy);
+      verdict.beside = RelativeError(z_depth, neighbour, place, surface) <= tolerance;
+    }
+  }
+  return verdict;
 }
 
 std::uint8_t LabelAt(const SeedRecord& seed, const Image<std::uint8_t>& labels) {
@@ -60,12 +90,16 @@ std::uint8_t LabelAt(const SeedRecord& seed, const Image<std::uint8_t>& labels) 
   return labels(nearest(seed.x, labels.width()), nearest(seed.y, labels.height()));
 }
 
-void Count(const SeedRecord& seed, float error, double tolerance, ConvergenceCounts* counts) {
+void Count(const SeedRecord& seed,
+           const Verdict& verdict,
+           double tolerance,
+           ConvergenceCounts* counts) {
   ++counts->planted;
   if (seed.fate != Fate::kConverged) return;
   ++counts->converged;
-  counts->falsely_converged += error > tolerance;
-  if (std::isfinite(error)) counts->errors.push_back(error);
+  counts->falsely_converged += verdict.error > tolerance;
+  counts->beside += verdict.beside;
+  if (std::isfinite(verdict.error)) counts->errors.push_back(verdict.error);
 }
 
 double Ratio(std::size_t part, std::size_t whole) {
@@ -89,6 +123,8 @@ void FalseConvergenceOptions::Check() const {
 
 double ConvergenceCounts::FalseRate() const { return Ratio(falsely_converged, planted); }
 
+double ConvergenceCounts::PhantomRate() const { return Ratio(falsely_converged - beside, planted); }
+
 double ConvergenceCounts::FalseShare() const { return Ratio(falsely_converged, converged); }
 
 FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
@@ -97,11 +133,11 @@ FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
                                          const FalseConvergenceOptions& options) {
   options.Check();
   const std::map<std::int64_t, Birthplace> places = Prepare(views);
-  std::vector<float> errors(seeds.size());
+  std::vector<Verdict> verdicts(seeds.size());
   tbb::parallel_for(std::size_t{0}, seeds.size(), [&](std::size_t i) {
     const auto place = places.find(seeds[i].birth_frame);
     if (place != places.end() && seeds[i].fate == Fate::kConverged) {
-      errors[i] = RelativeError(seeds[i], place->second, surface);
+      verdicts[i] = Judge(seeds[i], place->second, surface, options.tolerance);
     }
   });
   FalseConvergence result;
@@ -116,7 +152,7 @@ FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
     const std::uint8_t labels = LabelAt(seeds[i], place->second.view->labels);
     for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
       if (kLabelClasses[k].Holds(labels)) {
-        Count(seeds[i], errors[i], options.tolerance, &result.classes[k]);
+        Count(seeds[i], verdicts[i], options.tolerance, &result.classes[k]);
       }
     }
   }
@@ -131,38 +167,45 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
   std::string table = Format(
       "seeds             %zu planted in the %zu frames with labels", result.judged, result.views);
   table += Format("  (in others: %zu)\n", result.not_judged);
-  table +=
-      Format("false             off by more than %g %% of the true depth, or nothing there\n\n",
-             100 * options.tolerance);
-  table += Format("%-24s%9s%10s%9s%10s%10s   error [%% of depth]\n",
+  table += Format("false             off by more than %g %% of the true depth, or nothing there;\n",
+                  100 * options.tolerance);
+  table += "beside            of the false ones: at the depth of another surface in the patch\n";
+  table += "phantoms          the other false ones\n\n";
+  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s   error [%% of depth]\n",
+                  "",
+                  "",
+                  "",
+                  "",
+                  "",
+                  "false of",
+                  "phantoms",
+                  "false of");
+  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%7s%7s%7s\n",
                   "pixels",
                   "planted",
                   "converged",
                   "false",
-                  "of",
-                  "of");
-  table += Format("%-24s%9s%10s%9s%10s%10s%8s%8s%8s\n",
-                  "",
-                  "",
-                  "",
-                  "",
+                  "beside",
                   "planted",
+                  "of pl.",
                   "converged",
                   "50%",
                   "90%",
                   "99%");
   for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
     const ConvergenceCounts& c = result.classes[k];
-    table += Format("%-24s%9zu%10zu%9zu%9.2f%%%9.2f%%",
+    table += Format("%-23s%8zu%10zu%7zu%7zu%8.2f%%%8.2f%%%9.2f%%",
                     kLabelClasses[k].name,
                     c.planted,
                     c.converged,
                     c.falsely_converged,
+                    c.beside,
                     100 * c.FalseRate(),
+                    100 * c.PhantomRate(),
                     100 * c.FalseShare());
     for (const int q : kPercentiles) {
       const auto p = Percentile(c.errors, q);
-      table += p ? Format("%8.2f", 100 * *p) : Format("%8s", "-");
+      table += p ? Format("%7.2f", 100 * *p) : Format("%7s", "-");
     }
     table += "\n";
   }
@@ -181,7 +224,9 @@ std::string FalseConvergenceJson(const FalseConvergence& result,
     nlohmann::ordered_json row{{"planted", c.planted},
                                {"converged", c.converged},
                                {"false", c.falsely_converged},
+                               {"beside", c.beside},
                                {"false_of_planted", c.FalseRate()},
+                               {"phantoms_of_planted", c.PhantomRate()},
                                {"false_of_converged", c.FalseShare()}};
     for (const int q : kPercentiles) {
       const auto p = Percentile(c.errors, q);

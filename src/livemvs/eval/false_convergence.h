@@ -38,10 +38,15 @@ struct ConvergenceCounts {
   std::size_t planted = 0;
   std::size_t converged = 0;
   std::size_t falsely_converged = 0;
+  /// Those of them whose depth is that of another surface in the seed's patch: at an edge the patch
+  /// follows the nearer one, so that things look fatter than they are. The others are phantoms.
+  std::size_t beside = 0;
   std::vector<float> errors;  ///< |depth - truth| / truth of the converged ones, sorted.
 
   /// falsely_converged / planted; 0 where none was planted.
   double FalseRate() const;
+  /// (falsely_converged - beside) / planted; 0 where none was planted.
+  double PhantomRate() const;
   /// falsely_converged / converged; 0 where none converged.
   double FalseShare() const;
 };

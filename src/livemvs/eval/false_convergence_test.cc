@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace livemvs {
 namespace {
@@ -80,11 +81,13 @@ const ConvergenceCounts& Of(const FalseConvergence& result, const std::string& k
 
 class FalseConvergenceTest : public testing::Test {
  protected:
-  FalseConvergence Measure(double tolerance = 0.01) const {
+  FalseConvergence Measure(double tolerance = 0.01) const { return Measure(surface_, tolerance); }
+
+  FalseConvergence Measure(const MeshSurface& surface, double tolerance) const {
     std::vector<LabelledView> views;
     views.push_back(View(8));
     views.push_back(View(3));
-    return MeasureFalseConvergence(seeds_, views, surface_, {.tolerance = tolerance});
+    return MeasureFalseConvergence(seeds_, views, surface, {.tolerance = tolerance});
   }
 
   MeshSurface surface_{Wall()};
@@ -153,6 +156,40 @@ TEST_F(FalseConvergenceTest, WhereNothingIsEveryConvergenceIsFalse) {
   EXPECT_EQ(Of(result, "no_label").planted, 2U);
   EXPECT_EQ(Of(result, "no_label").falsely_converged, 1U);
   EXPECT_TRUE(Of(result, "no_label").errors.empty());
+}
+
+TEST_F(FalseConvergenceTest, TellsANeighboursDepthFromAPhantom) {
+  // Before the wall hangs a strip as wide as three pixels, about the column of pixel 20.
+  TriangleMesh mesh = Wall();
+  const Rigid3d world_from_cam = view_.cam_from_world.Inverse();
+  const auto corner = [&](double x, double y) {
+    const Camera& c = view_.camera;
+    const Eigen::Vector3d in_cam((x - c.cx) / c.fx, (y - c.cy) / c.fy, 1);
+    return Eigen::Vector3f((world_from_cam * in_cam).cast<float>());
+  };
+  for (const auto& [x, y] : {std::pair{18.5, -5}, {21.5, -5}, {21.5, 65}, {18.5, 65}}) {
+    mesh.vertices.push_back(corner(x, y));
+  }
+  mesh.faces.insert(mesh.faces.end(), {{4, 5, 6}, {4, 6, 7}});
+  // The strip's z depth is 1; of pixels left of it the patch ends on its edge, or just before it.
+  const auto on_strip = [&](int x, int y) {
+    SeedRecord seed = Seed(view_, x, y, Fate::kConverged, 0);
+    const Camera& c = view_.camera;
+    seed.depth =
+        static_cast<float>(Eigen::Vector3d((x - c.cx) / c.fx, (y - c.cy) / c.fy, 1).norm());
+    return seed;
+  };
+  seeds_ = {on_strip(20, 40),                              // true
+            on_strip(17, 40),                              // beside
+            on_strip(16, 40),                              // too far away: a phantom
+            Seed(view_, 17, 40, Fate::kConverged, -0.2)};  // at neither depth: a phantom
+  const FalseConvergence result = Measure(MeshSurface(mesh), 0.01);
+  const ConvergenceCounts& plain = Of(result, "textureless");
+  EXPECT_EQ(plain.converged, 4U);
+  EXPECT_EQ(plain.falsely_converged, 3U);
+  EXPECT_EQ(plain.beside, 1U);
+  EXPECT_DOUBLE_EQ(plain.FalseRate(), 0.75);
+  EXPECT_DOUBLE_EQ(plain.PhantomRate(), 0.5);
 }
 
 TEST_F(FalseConvergenceTest, RefusesLabelsThatDoNotFit) {
