@@ -2,8 +2,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
@@ -14,6 +16,7 @@
 #include "livemvs/io/dataset.h"
 #include "livemvs/io/picture_codec.h"
 #include "livemvs/io/ply.h"
+#include "seed_report.h"
 
 namespace livemvs::app {
 namespace {
@@ -25,11 +28,21 @@ constexpr char kExamples[] =
     "With --data, only surface counts that enough cameras of the data set saw: at least 4 px\n"
     "inside the image, and with nothing in between. By default 5 of every fifth camera.\n"
     "\n"
+    "With --trace and --labels, also how many of the seeds that were planted on textureless,\n"
+    "occluded, repetitive, specular ... pixels converged, and how many of them to a wrong depth.\n"
+    "Only seeds of frames that have labels count; pixels with two labels count under both.\n"
+    "A false one that sits at the depth of another surface in its 5 x 5 patch is 'beside' an "
+    "edge;\n"
+    "the rest are phantoms.\n"
+    "\n"
     "Examples:\n"
     "  livemvs eval cloud.ply mesh.ply.gz\n"
     "  livemvs eval cloud.ply mesh.ply --box -0.2 -0.1 0 0.2 0.1 0.2 --data recording\n"
     "  livemvs eval cloud.ply scan.ply --tau 1 2 5 --unit cm --json eval.json --plot eval.png\n"
-    "  livemvs eval cloud.ply mesh.ply --unit scene --tau 0.01 0.1    (scenes without scale)";
+    "  livemvs eval cloud.ply mesh.ply --unit scene --tau 0.01 0.1    (scenes without scale)\n"
+    "  livemvs synth --scene hazards --noise 2 --labels-every 5 -o hazards\n"
+    "  livemvs run --data hazards --trace hazards.trace -o hazards.ply\n"
+    "  livemvs eval hazards.ply hazards/mesh.ply --trace hazards.trace --labels hazards";
 
 struct EvalArguments {
   std::string cloud, reference;
@@ -41,6 +54,13 @@ struct EvalArguments {
   std::string json, plot;
   EvaluationOptions options;
   ReportOptions report;
+  SeedReportArguments seeds;
+};
+
+// What the cloud is judged by; `surface` where it is a mesh.
+struct Reference {
+  PointCloud cloud;
+  std::optional<MeshSurface> surface;
 };
 
 double UnitsPerMetre(const std::string& unit) {
@@ -62,29 +82,52 @@ std::vector<EvaluationCamera> ReadCameras(const EvalArguments& args) {
   return cameras;
 }
 
-Evaluation Evaluate(const EvalArguments& args) {
-  PlyContents cloud = ReadPly(args.cloud);
-  PlyContents reference = ReadPly(args.reference);
-  const std::vector<EvaluationCamera> cameras = ReadCameras(args);
-  Evaluation result;
-  if (reference.faces.empty()) {
-    if (!args.data.empty()) {
-      throw Error(ErrorKind::kBadInput,
-                  args.reference + ": is a cloud, which hides nothing: --data needs a mesh");
-    }
-    if (reference.cloud.empty()) throw BadInput(args.reference + ": holds no points");
-    result = EvaluateAgainstCloud(cloud.cloud, reference.cloud, args.options);
-  } else {
+Reference ReadReference(const EvalArguments& args) {
+  PlyContents contents = ReadPly(args.reference);
+  if (contents.cloud.empty()) throw BadInput(args.reference + ": holds no points");
+  Reference reference{std::move(contents.cloud), std::nullopt};
+  if (!contents.faces.empty()) {
     TriangleMesh mesh;
     for (const Point& p : reference.cloud) mesh.vertices.push_back(p.position);
-    mesh.faces = std::move(reference.faces);
-    result = EvaluateAgainstMesh(cloud.cloud, MeshSurface(mesh), cameras, args.options);
+    mesh.faces = std::move(contents.faces);
+    reference.surface.emplace(mesh);
+    return reference;
   }
+  for (const auto& [option, value] :
+       {std::pair{"--data", &args.data}, std::pair{"--trace", &args.seeds.trace}}) {
+    if (!value->empty()) {
+      throw BadInput(args.reference + ": is a cloud, which hides nothing: " + option +
+                     " needs a mesh");
+    }
+  }
+  return reference;
+}
+
+Evaluation Evaluate(const EvalArguments& args, const Reference& reference) {
+  const PlyContents cloud = ReadPly(args.cloud);
+  Evaluation result =
+      reference.surface
+          ? EvaluateAgainstMesh(cloud.cloud, *reference.surface, ReadCameras(args), args.options)
+          : EvaluateAgainstCloud(cloud.cloud, reference.cloud, args.options);
   result.not_finite += static_cast<std::size_t>(cloud.dropped_vertices);
   if (result.samples_in_box == 0) {
     LogWarning(args.reference + ": none of the reference is in the box; check --box and its unit");
   }
   return result;
+}
+
+void WriteJson(const EvalArguments& args,
+               const Evaluation& evaluation,
+               const std::optional<FalseConvergence>& seeds) {
+  auto json = nlohmann::ordered_json::parse(EvaluationJson(evaluation, args.report));
+  if (seeds) {
+    json["false_convergence"] =
+        nlohmann::ordered_json::parse(FalseConvergenceJson(*seeds, args.seeds.Options()));
+  }
+  AtomicFile file(args.json);
+  file.Write(json.dump(2) + "\n");
+  file.Commit();
+  std::printf("wrote %s\n", args.json.c_str());
 }
 
 void RunEval(EvalArguments args) {
@@ -97,17 +140,19 @@ void RunEval(EvalArguments args) {
   args.report.units_per_scene = in_scene_units ? 1 : args.unit_scale * UnitsPerMetre(args.unit);
   args.options.Check();
   args.report.Check();
+  args.seeds.Options().Check();
   if (!args.json.empty()) CheckWritable(args.json);
   if (!args.plot.empty()) CheckWritable(args.plot);
 
-  const Evaluation evaluation = Evaluate(args);
+  const Reference reference = ReadReference(args);
+  const Evaluation evaluation = Evaluate(args, reference);
   std::fputs(EvaluationTable(evaluation, args.report).c_str(), stdout);
-  if (!args.json.empty()) {
-    AtomicFile file(args.json);
-    file.Write(EvaluationJson(evaluation, args.report));
-    file.Commit();
-    std::printf("wrote %s\n", args.json.c_str());
+  std::optional<FalseConvergence> seeds;
+  if (!args.seeds.trace.empty()) {
+    seeds = JudgeSeeds(args.seeds, *reference.surface);
+    std::printf("\n%s", FalseConvergenceTable(*seeds, args.seeds.Options()).c_str());
   }
+  if (!args.json.empty()) WriteJson(args, evaluation, seeds);
   if (!args.plot.empty()) {
     const std::string title = std::filesystem::path(args.cloud).filename().string() + " against " +
                               std::filesystem::path(args.reference).filename().string();
@@ -146,6 +191,7 @@ void AddEvalCommand(CLI::App& app) {
   command->add_option("--samples", args->options.samples, "Points spread over the reference mesh")
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
+  AddSeedReportOptions(command, &args->seeds);
   command->add_option("--json", args->json, "Write the results to this file");
   command->add_option("--plot", args->plot, "Write a picture of the curves to this file (.png)");
   command->callback([args] { RunEval(*args); });

@@ -5,12 +5,10 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "commands.h"
@@ -22,10 +20,12 @@
 #include "livemvs/io/dataset.h"
 #include "livemvs/io/ply.h"
 #include "livemvs/io/prefetcher.h"
+#include "livemvs/io/seed_trace.h"
 #include "livemvs/map/normals.h"
 #include "livemvs/pipeline/reconstructor.h"
 #include "livemvs/pipeline/scene_range.h"
 #include "livemvs/pipeline/search_mode.h"
+#include "output_check.h"
 #include "progress.h"
 
 namespace livemvs::app {
@@ -38,6 +38,7 @@ struct RunArguments {
   DatasetOptions dataset;
   fs::path output;
   fs::path stats;
+  fs::path trace;
   std::string preset = "default";
   std::vector<std::string> settings;
   std::vector<double> box;
@@ -205,32 +206,16 @@ std::exception_ptr Reconstruct(Prefetcher* frames,
   return nullptr;
 }
 
-// Refuses outputs that would replace an input, each other, or a file that is not of their kind.
-void CheckOutputs(const RunArguments& args) {
-  CheckWritable(args.output);
-  if (!args.stats.empty()) CheckWritable(args.stats);
-  const auto same = [](const fs::path& a, const fs::path& b) {
-    std::error_code ignored;
-    return !a.empty() && !b.empty() &&
-           (fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored));
-  };
-  if (same(args.output, args.stats)) {
-    throw BadInput(args.output.string() + ": cannot be both the cloud and the statistics");
-  }
-  for (const fs::path& output : {args.output, args.stats}) {
-    for (const fs::path& input :
-         {args.dataset.data, args.dataset.poses, fs::path(args.dataset.camera)}) {
-      if (same(output, input)) throw BadInput(output.string() + ": is an input; name another file");
-    }
-  }
-  std::ifstream existing(args.output, std::ios::binary);
-  char magic[3] = {};
-  if (fs::is_regular_file(args.output) && existing.read(magic, 3) &&
-      std::string_view(magic, 3) != "ply") {
-    throw BadInput(args.output.string() +
-                   ": exists and is not a point cloud; remove it or name another file");
-  }
-}
+// Writes what became of each seed, where that was asked for.
+class TraceObserver : public SeedObserver {
+ public:
+  explicit TraceObserver(const fs::path& path) : writer_(path) {}
+  void OnSeed(const SeedRecord& record) override { writer_.Write(record); }
+  void Finish() { writer_.Finish(); }
+
+ private:
+  SeedTraceWriter writer_;
+};
 
 void ExplainEmptyCloud(const ReconstructionStatistics& s) {
   std::string reason = "too few frames";
@@ -247,28 +232,60 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s) {
   LogWarning("no point converged; likely because: " + reason);
 }
 
+// Settles what depends on the data, and says so.
+Options FitToData(const Options& options, const Dataset& dataset, const SceneRange& range) {
+  LogInfo("looking for surfaces at " + Describe(range));
+  Options fitted = ResolveSearch(CamerasOf(dataset), range, options);
+  LogInfo(fitted.search == Search::kFull
+              ? "searching whole epipolar lines: the steps between frames are wide"
+              : "searching near the prediction: the steps between frames are small");
+  return fitted;
+}
+
+// Estimates normals where they are wanted, and writes the cloud.
+void WriteCloud(const RunArguments& args, PointCloud* cloud) {
+  const bool estimate_normals = !args.ray_normals && !Interrupted();
+  if (estimate_normals) EstimateNormals(*cloud);
+  WritePly(args.output,
+           *cloud,
+           estimate_normals ? "of the plane through the 16 nearest points, on the camera's side"
+                            : "towards the camera that planted the seed");
+}
+
+void WriteStatistics(const fs::path& path, const nlohmann::json& statistics) {
+  AtomicFile file(path);
+  file.Write(statistics.dump(2) + "\n");
+  file.Commit();
+  std::printf("%s\n", fs::absolute(path).c_str());
+}
+
+// All that runs in parallel uses as many threads, normals too.
+std::optional<tbb::global_control> LimitThreads(int threads) {
+  if (threads <= 0) return std::nullopt;
+  return std::optional<tbb::global_control>(std::in_place,
+                                            tbb::global_control::max_allowed_parallelism,
+                                            static_cast<std::size_t>(threads));
+}
+
 void Run(const RunArguments& args) {
   const Clock::time_point start = Clock::now();
-  Options options = MakeOptions(args);
-  CheckOutputs(args);
-  std::optional<tbb::global_control> thread_limit;  // for all that runs in parallel, normals too
-  if (args.threads > 0) {
-    thread_limit.emplace(tbb::global_control::max_allowed_parallelism,
-                         static_cast<std::size_t>(args.threads));
-  }
+  MakeOptions(args);  // wrong ones are told before any work
+  CheckOutputs({{args.output, "the cloud", "a point cloud", "ply"},
+                {args.stats, "the statistics", "", ""},
+                {args.trace, "the trace", "a seed trace", kSeedTraceMagic}},
+               {args.dataset.data, args.dataset.poses, args.dataset.camera});
+  const std::optional<tbb::global_control> thread_limit = LimitThreads(args.threads);
   const ProgressMode progress_mode = ParseProgressMode(args.progress);
   CatchInterrupts();
   DatasetOptions dataset_options = args.dataset;
   dataset_options.cancelled = Interrupted;
   const std::unique_ptr<Dataset> dataset = OpenDataset(dataset_options);
   const SceneRange range = MakeRange(args, *dataset);
-  LogInfo("looking for surfaces at " + Describe(range));
-  options = ResolveSearch(CamerasOf(*dataset), range, options);
-  LogInfo(options.search == Search::kFull
-              ? "searching whole epipolar lines: the steps between frames are wide"
-              : "searching near the prediction: the steps between frames are small");
+  const Options options = FitToData(MakeOptions(args), *dataset, range);
 
   Reconstructor reconstructor(options, range);
+  std::optional<TraceObserver> trace;
+  if (!args.trace.empty()) reconstructor.SetObserver(&trace.emplace(args.trace));
   Progress progress(progress_mode);
   const Clock::time_point loop_start = Clock::now();
   Dataset::Statistics frame_statistics;
@@ -284,12 +301,7 @@ void Run(const RunArguments& args) {
 
   PointCloud cloud = reconstructor.TakePoints();
   if (cloud.empty()) ExplainEmptyCloud(reconstructor.statistics());
-  const bool estimate_normals = !args.ray_normals && !Interrupted();
-  if (estimate_normals) EstimateNormals(cloud);
-  WritePly(args.output,
-           cloud,
-           estimate_normals ? "of the plane through the 16 nearest points, on the camera's side"
-                            : "towards the camera that planted the seed");
+  WriteCloud(args, &cloud);
   const nlohmann::json statistics = StatisticsJson(args,
                                                    options,
                                                    range,
@@ -305,13 +317,13 @@ void Run(const RunArguments& args) {
               SecondsSince(start),
               statistics["frames_per_second"].get<double>());
   std::printf("%s\n", fs::absolute(args.output).c_str());
-  if (!args.stats.empty()) {
-    AtomicFile file(args.stats);
-    file.Write(statistics.dump(2) + "\n");
-    file.Commit();
-    std::printf("%s\n", fs::absolute(args.stats).c_str());
-  }
+  if (!args.stats.empty()) WriteStatistics(args.stats, statistics);
   if (failure) std::rethrow_exception(failure);
+  if (trace) {
+    reconstructor.ReportLiveSeeds();
+    trace->Finish();
+    std::printf("%s\n", fs::absolute(args.trace).c_str());
+  }
   if (Interrupted()) throw CLI::RuntimeError(kExitInterrupted);
 }
 
@@ -324,6 +336,8 @@ void AddRunCommand(CLI::App& app) {
   AddDatasetOptions(command, &args->dataset);
   command->add_option("-o,--output", args->output, "Point cloud to write (PLY)")->required();
   command->add_option("--stats", args->stats, "Statistics of the run to write (JSON)");
+  command->add_option(
+      "--trace", args->trace, "What became of each seed, to write for 'livemvs eval --trace'");
   command->add_option("--preset", args->preset, "default, or paper: the method as published");
   command->add_option("--box", args->box, "Reconstruct inside of x0 y0 z0 x1 y1 z1 [scene units]")
       ->expected(6);
@@ -348,7 +362,9 @@ void AddRunCommand(CLI::App& app) {
       "  livemvs run --data video.mp4 --poses poses.txt --camera camera.yaml -o scan.ply\n"
       "  livemvs run --data scan/ --box -0.2 -0.2 0 0.2 0.2 0.3 --stats scan.json -o scan.ply\n"
       "  livemvs run --data scan/ --preset paper -o paper.ply\n"
-      "  livemvs run --data photos/ --search full -o photos.ply\n\n"
+      "  livemvs run --data photos/ --search full -o photos.ply\n"
+      "  livemvs run --data scene/ --trace scene.trace -o scene.ply    (see 'livemvs eval "
+      "--help')\n\n"
       "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 out of resources, 130 interrupted\n"
       "(the cloud so far is written).");
   command->callback([args] { Run(*args); });

@@ -136,6 +136,9 @@ void AddOutputOptions(CLI::App* command, SynthArguments* a) {
   command->add_option("--encoder-preset", a->out.preset, "Speed of x264")->capture_default_str();
   command->add_option(
       "--depth-every", a->out.depth_every, "Write the true depth of every N-th frame");
+  command->add_option("--labels-every",
+                      a->out.labels_every,
+                      "Write what makes pixels hard, of every N-th frame, for 'livemvs eval'");
   command->add_option("--progress", a->progress, "auto, line, json or none")->capture_default_str();
   command->add_flag("--no-mesh", a->no_mesh, "Do not write the true surface");
 }
@@ -162,8 +165,10 @@ void AddSynthCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "synth", "Render a sequence with exact poses, depth and mesh, as a data set folder");
   command
-      ->add_option(
-          "--scene", arguments->scene.name, "table (still life), relief, house, room or plane")
+      ->add_option("--scene",
+                   arguments->scene.name,
+                   "table (still life), relief, house, room, plane, hazards (plain, "
+                   "repetitive, glossy and occluding things) or bench (a desk)")
       ->capture_default_str();
   command->add_option("--seed", arguments->scene.seed, "Of textures, hand and noise")
       ->capture_default_str();
@@ -177,7 +182,8 @@ void AddSynthCommand(CLI::App& app) {
       "  livemvs synth --scene table --frames 180 --arc 120 --noise 2 --crf 23 -o sample\n"
       "  livemvs synth --scene relief --size 640x480 --images -o temple      (312 views)\n"
       "  livemvs synth --scene room --noise 2 --blur --distortion -0.2,0.05 -o walk\n"
-      "  livemvs synth --scene plane --frames 60 --depth-every 10 -o plane");
+      "  livemvs synth --scene plane --frames 60 --depth-every 10 -o plane\n"
+      "  livemvs synth --scene hazards --noise 2 --labels-every 5 -o hazards");
   command->callback([arguments, command] { RunSynth(*arguments, CommandLine(*command)); });
 }
 

@@ -56,6 +56,30 @@ expect 0 "mm" "$program" eval "$work/out.ply" "$sample/mesh.ply.gz" --json "$wor
 expect 0 "cloud.png" "$program" render "$work/out.ply" -o "$work/cloud.png" --size 320x240
 expect 0 "180" "$program" info "$sample" --quick
 
+# Seeds, judged where the scene is hard.
+scene=(--scene hazards --frames 30 --arc 25 --size 320x240 --spp 1 --noise 2)
+expect 0 "labels" "$program" synth "${scene[@]}" --labels-every 10 -o "$work/hazards" --progress none
+expect 0 "scene.trace" run --data "$work/hazards" --trace "$work/scene.trace"
+seeds=(--trace "$work/scene.trace" --labels "$work/hazards")
+expect 0 "textureless" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}" --json "$work/eval.json"
+expect 0 "more than 5 %" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}" --false-beyond 5
+check "false convergence is not in the JSON" grep -q '"false_of_planted"' "$work/eval.json"
+expect 2 "--labels" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" --trace "$work/scene.trace"
+expect 2 "tolerance" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}" --false-beyond 0
+expect 3 "needs a mesh" "$program" eval "$work/out.ply" "$work/out.ply" "${seeds[@]}"
+expect 3 "not a seed trace" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" \
+  --trace "$work/out.ply" --labels "$work/hazards"
+expect 3 "--labels-every" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" \
+  --trace "$work/scene.trace" --labels "$sample"
+cp "$work/hazards/labels/000000.png" "$work/hazards/labels/000001.png"
+head -c 200 "$work/hazards/labels/000000.png" >"$work/hazards/labels/000002.png"
+expect 3 "000002.png" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}"
+rm "$work"/hazards/labels/*
+"$program" render "$work/out.ply" -o "$work/hazards/labels/000000.png" --size 320x240 >/dev/null
+expect 3 "000000.png" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}"
+expect 3 "both the cloud and the trace" run --data "$sample" --trace "$work/out.ply"
+expect 3 "not a seed trace" run --data "$sample" --trace "$sample/video.mp4"
+
 # A video that breaks off: what is there is reconstructed.
 copy_sample
 head -c 2000000 "$sample/video.mp4" >"$work/data/video.mp4"

@@ -62,6 +62,7 @@ std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
 }
 
 void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
+  last_frame_ = frame.index;
   pyramid_.Build(frame.picture->grey, options_.levels);
   // [VH11] Algorithm 1. Steps 2 to 4 come first: a seed tells nothing in the frame it was born in.
   UpdateSeeds(frame);   // step 2: project, match, fuse
@@ -122,6 +123,7 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
           ++statistics_.rejected_left_interval;
           break;
       }
+      if (observer_ != nullptr) observer_->OnSeed(RecordOf(reference, i));
       pool_.Remove(i);
     }
   }
@@ -155,6 +157,39 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   }
   points_.push_back(point);
   ++statistics_.seeds_converged;
+}
+
+SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, std::size_t i) const {
+  const SeedColumns& s = pool_.columns();
+  const Camera& camera = reference.camera;
+  SeedRecord record;
+  record.birth_frame = reference.frame_index;
+  VisitModel(camera.model, [&](auto model) {
+    const auto p = decltype(model)::template Distort<double>(
+        camera.distortion.data(), s.bearing_x[i], s.bearing_y[i]);
+    record.x = static_cast<float>(camera.fx * p.x + camera.cx);
+    record.y = static_cast<float>(camera.fy * p.y + camera.cy);
+  });
+  record.end_frame = last_frame_;
+  record.fate = s.fate[i];
+  record.views = s.counts[i].views;
+  const DepthEstimate<float> z =
+      DepthOf<float>(options_.coordinate, {s.c0[i], s.c1[i]}, s.mu[i], s.sigma2[i]);
+  // A mean that wandered off its interval may be beyond infinity.
+  if (z.depth > 0 && std::isfinite(z.depth) && std::isfinite(z.sigma)) {
+    record.depth = z.depth;
+    record.sigma = z.sigma;
+  }
+  return record;
+}
+
+void Reconstructor::ReportLiveSeeds() {
+  if (observer_ == nullptr) return;
+  for (const ReferenceFrame& reference : pool_.references()) {
+    for (std::size_t i = reference.begin; i < reference.end; ++i) {
+      if (pool_.columns().fate[i] == Fate::kAlive) observer_->OnSeed(RecordOf(reference, i));
+    }
+  }
 }
 
 void Reconstructor::SpawnSeeds(const PosedFrame& frame) {

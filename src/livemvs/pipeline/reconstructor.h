@@ -13,6 +13,7 @@
 #include "livemvs/core/point.h"
 #include "livemvs/pipeline/pyramid.h"
 #include "livemvs/pipeline/scene_range.h"
+#include "livemvs/pipeline/seed_observer.h"
 #include "livemvs/pipeline/seed_pool.h"
 #include "livemvs/pipeline/spawner.h"
 
@@ -47,6 +48,12 @@ class Reconstructor {
   /// @throws std::invalid_argument where the picture's size is not its camera's.
   std::span<const Point> AddFrame(const PosedFrame& frame);
 
+  /// Tells `observer`, which must outlive the reconstruction, of every seed that ends from now on;
+  /// nullptr: nobody. It changes nothing of the result.
+  void SetObserver(SeedObserver* observer) { observer_ = observer; }
+  /// Tells the observer of the seeds that are alive, at the end of a run.
+  void ReportLiveSeeds();
+
   /// All points so far; normals are directions towards the camera that planted the seed.
   const PointCloud& points() const { return points_; }
   /// Hands all points over; the reconstruction may go on, but no longer knows what they cover.
@@ -66,6 +73,7 @@ class Reconstructor {
                std::size_t i,
                const PosedFrame& frame,
                const Projector& projector);
+  SeedRecord RecordOf(const ReferenceFrame& reference, std::size_t i) const;
 
   Options options_;
   std::unique_ptr<Workers> workers_;
@@ -76,6 +84,8 @@ class Reconstructor {
   PointCloud points_;
   ReconstructionStatistics statistics_;
   std::vector<SeedGroup> groups_;
+  SeedObserver* observer_ = nullptr;
+  std::int64_t last_frame_ = 0;  // index of the latest frame
 };
 
 }  // namespace livemvs

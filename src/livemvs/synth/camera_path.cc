@@ -136,6 +136,11 @@ PathOptions DefaultPath(const std::string& scene) {
     path.radius = 0.5;
     path.height = 0.8;
     path.arc_deg = 40;
+  } else if (scene == "bench") {
+    path.radius = 0.6;
+    path.height = 0.42;
+    path.start_deg = -125;
+    path.arc_deg = 80;
   }
   return path;
 }

@@ -13,6 +13,7 @@
 #include "livemvs/io/picture_codec.h"
 #include "livemvs/io/ply.h"
 #include "livemvs/io/video_writer.h"
+#include "livemvs/synth/labels.h"
 
 namespace livemvs {
 namespace {
@@ -141,6 +142,11 @@ std::string Readme(const SyntheticScene& scene,
         "depth/NNNNNN.png: true z depth of frame NNNNNN, 16 bits, millimetres; 0: nothing there. "
         "The same exactly, in metres: depth/NNNNNN.pfm.\n";
   }
+  if (options.labels_every > 0) {
+    text +=
+        "labels/NNNNNN.png: what makes the pixels of frame NNNNNN hard, the sum of 1 textureless, "
+        "2 repetitive, 4 beside an occluding edge, 8 background, 16 specular, 32 soon occluded.\n";
+  }
   return text + Format("\nBox of what is to be reconstructed: %g %g %g %g %g %g\n",
                        box.min.x(),
                        box.min.y(),
@@ -149,6 +155,9 @@ std::string Readme(const SyntheticScene& scene,
                        box.max.y(),
                        box.max.z());
 }
+
+// Whether something that is made of every N-th frame (0: of none) is made of this one.
+bool IsDue(int every, int index) { return every > 0 && index % every == 0; }
 
 // Takes the frames of a sequence, one after the other.
 class FrameSink {
@@ -167,9 +176,11 @@ class FrameSink {
       video_ = std::make_unique<VideoWriter>(options.folder / "video.mp4", video);
     }
     if (options.depth_every > 0) MakeFolder(options.folder / "depth");
+    if (options.labels_every > 0) MakeFolder(options.folder / "labels");
   }
 
-  void Write(const SyntheticFrame& frame) {
+  /// @param labels  Of the frame, where they are due.
+  void Write(const SyntheticFrame& frame, const Image<std::uint8_t>& labels) {
     const int index = static_cast<int>(frame.frame.index);
     const std::string name = Format("%06d", index);
     if (video_) {
@@ -177,9 +188,12 @@ class FrameSink {
     } else {
       WritePng(options_.folder / "images" / (name + ".png"), ToRgb(*frame.frame.picture));
     }
-    if (options_.depth_every > 0 && index % options_.depth_every == 0) {
+    if (IsDue(options_.depth_every, index)) {
       WritePng(options_.folder / "depth" / (name + ".png"), ToDepthUnits(frame.z_depth));
       WritePfm(options_.folder / "depth" / (name + ".pfm"), frame.z_depth);
+    }
+    if (IsDue(options_.labels_every, index)) {
+      WritePng(options_.folder / "labels" / (name + ".png"), labels);
     }
     poses_ += PoseRow(index, frame.frame.cam_from_world);
   }
@@ -190,6 +204,7 @@ class FrameSink {
     written.push_back(options_.folder / (video_ ? "video.mp4" : "images"));
     written.push_back(WriteText(options_.folder / "poses.txt", poses_));
     if (options_.depth_every > 0) written.push_back(options_.folder / "depth");
+    if (options_.labels_every > 0) written.push_back(options_.folder / "labels");
     return written;
   }
 
@@ -205,6 +220,7 @@ void ExportOptions::Check() const {
   if (folder.empty()) throw std::invalid_argument("folder: none given");
   if (crf < 0 || crf > 51) throw std::invalid_argument("crf must be 0 to 51");
   if (depth_every < 0) throw std::invalid_argument("depth_every must not be negative");
+  if (labels_every < 0) throw std::invalid_argument("labels_every must not be negative");
 }
 
 std::vector<fs::path> ExportSequence(const SyntheticScene& scene,
@@ -221,8 +237,11 @@ std::vector<fs::path> ExportSequence(const SyntheticScene& scene,
   int done = 0;
   bool go_on = true;
   while (go_on && done < sequence.path.frames) {
-    quick.ground_truth = options.depth_every > 0 && done % options.depth_every == 0;
-    sink.Write(RenderSequenceFrame(scene, quick, done));
+    const bool labelled = IsDue(options.labels_every, done);
+    quick.ground_truth = labelled || IsDue(options.depth_every, done);
+    const SyntheticFrame frame = RenderSequenceFrame(scene, quick, done);
+    sink.Write(frame,
+               labelled ? LabelSequenceFrame(scene, sequence, frame) : Image<std::uint8_t>());
     ++done;
     if (options.progress) go_on = options.progress(done);
   }

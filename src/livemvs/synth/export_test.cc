@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "livemvs/io/dataset.h"
 #include "livemvs/io/picture_codec.h"
 #include "livemvs/io/ply.h"
+#include "livemvs/synth/labels.h"
 
 namespace livemvs {
 namespace {
@@ -106,6 +108,30 @@ TEST(Export, FisheyeKeepsItsModel) {
   ExpectRoundTrip(sequence, options, 0.01);
   EXPECT_EQ(OpenDataset({.data = options.folder})->views()[0].camera.model,
             CameraModel::kKannalaBrandt);
+}
+
+TEST(Export, WritesTheLabelsThatAreDue) {
+  const SequenceOptions sequence = Small();
+  ExportOptions options;
+  options.folder = Folder("labels");
+  options.images = true;
+  options.labels_every = 2;
+  ExportSequence(Plane(), sequence, options);
+  for (int i = 0; i < sequence.path.frames; ++i) {
+    const fs::path file = options.folder / "labels" / ("00000" + std::to_string(i) + ".png");
+    ASSERT_EQ(fs::exists(file), i % 2 == 0) << file;
+    if (i % 2 != 0) continue;
+    const SyntheticFrame truth = RenderSequenceFrame(Plane(), sequence, i);
+    const Image<std::uint8_t> labels = LabelSequenceFrame(Plane(), sequence, truth);
+    const Image<std::uint16_t> read = ReadDepthPng(file);
+    ASSERT_EQ(read.width(), labels.width());
+    ASSERT_EQ(read.height(), labels.height());
+    for (int y = 0; y < labels.height(); ++y) {
+      for (int x = 0; x < labels.width(); ++x) ASSERT_EQ(read(x, y), labels(x, y));
+    }
+  }
+  options.labels_every = -1;
+  EXPECT_THROW(ExportSequence(Plane(), sequence, options), std::invalid_argument);
 }
 
 TEST(Export, StopsWhenAskedAndKeepsWhatIsThere) {

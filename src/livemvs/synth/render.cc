@@ -68,7 +68,7 @@ Vector3f Shade(const Shot& shot, const SyntheticScene::Ray& ray, const Synthetic
   const float slant = std::abs(shot.scene.FaceNormal(hit.face).dot(direction)) / direction.norm();
   const float footprint =
       static_cast<float>(hit.distance) * shot.pixel_angle / std::sqrt(std::max(slant, 0.1f));
-  return shot.scene.Radiance(hit, footprint);
+  return shot.scene.Radiance(hit, direction.normalized(), footprint);
 }
 
 // A row's samples: those of pixel x are the `pattern.size()` rays from first[x], none where the
@@ -206,41 +206,6 @@ RenderedFrame RenderFrame(const SyntheticScene& scene,
   ParallelFor(static_cast<std::size_t>(camera.height),
               [&](std::size_t y) { RenderRow(shot, frame_index, static_cast<int>(y), &out); });
   return out;
-}
-
-Image<std::uint8_t> LabelPixels(const SyntheticScene& scene,
-                                const RenderedFrame& frame,
-                                int edge_radius,
-                                double edge_jump) {
-  const int width = frame.z_depth.width(), height = frame.z_depth.height();
-  const auto& depth = frame.z_depth;
-  const auto jump = [&](int x, int y, int x2, int y2) {
-    const float a = depth(x, y), b = depth(x2, y2);
-    return std::abs(a - b) > static_cast<float>(edge_jump) * std::max(a, b);
-  };
-  Image<std::uint8_t> labels(width, height);
-  const auto mark_around = [&](int x, int y) {
-    for (int v = std::max(y - edge_radius, 0); v <= std::min(y + edge_radius, height - 1); ++v) {
-      for (int u = std::max(x - edge_radius, 0); u <= std::min(x + edge_radius, width - 1); ++u) {
-        labels(u, v) |= kLabelOccludingEdge;
-      }
-    }
-  };
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const std::uint8_t id = frame.material(x, y);
-      if (id == RenderedFrame::kNoMaterial) {
-        labels(x, y) |= kLabelBackground;
-      } else {
-        if (scene.materials()[id].textureless) labels(x, y) |= kLabelTextureless;
-        if (scene.materials()[id].repetitive) labels(x, y) |= kLabelRepetitive;
-      }
-      if ((x + 1 < width && jump(x, y, x + 1, y)) || (y + 1 < height && jump(x, y, x, y + 1))) {
-        mark_around(x, y);
-      }
-    }
-  }
-  return labels;
 }
 
 }  // namespace livemvs

@@ -41,20 +41,4 @@ RenderedFrame RenderFrame(const SyntheticScene& scene,
                           const FrameRenderOptions& options = {},
                           std::int64_t frame_index = 0);
 
-/// What makes a pixel hard to reconstruct; bits.
-enum PixelLabel : std::uint8_t {
-  kLabelTextureless = 1,
-  kLabelRepetitive = 2,
-  kLabelOccludingEdge = 4,  ///< Within `edge_radius` of a jump in depth.
-  kLabelBackground = 8,     ///< Nothing there.
-};
-
-/// Labels of the pixels of a rendered frame with ground truth.
-/// @param edge_radius  [px]
-/// @param edge_jump    Relative jump of depth between neighbours that counts as an edge.
-Image<std::uint8_t> LabelPixels(const SyntheticScene& scene,
-                                const RenderedFrame& frame,
-                                int edge_radius = 2,
-                                double edge_jump = 0.03);
-
 }  // namespace livemvs

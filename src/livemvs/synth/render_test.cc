@@ -169,26 +169,6 @@ TEST(Render, BlurIsTheMeanOverTheShutter) {
   EXPECT_EQ(soft.z_depth(60, 45), sharp.z_depth(60, 45));
 }
 
-TEST(Render, LabelsNameTheHardPixels) {
-  const Camera camera = SyntheticCamera(320, 240);
-  const Rigid3d pose = MakePath(DefaultPath("table"))[60];
-  const RenderedFrame frame = RenderFrame(Table(), camera, pose);
-  const Image<std::uint8_t> labels = LabelPixels(Table(), frame);
-  int counts[4] = {};
-  for (int y = 0; y < 240; ++y) {
-    for (int x = 0; x < 320; ++x) {
-      for (int bit = 0; bit < 4; ++bit) counts[bit] += labels(x, y) >> bit & 1;
-      const bool nothing = frame.z_depth(x, y) == 0;
-      EXPECT_EQ(nothing, (labels(x, y) & kLabelBackground) != 0);
-      EXPECT_EQ(nothing, frame.material(x, y) == RenderedFrame::kNoMaterial);
-    }
-  }
-  EXPECT_GT(counts[0], 300);  // the plain cylinder
-  EXPECT_GT(counts[1], 300);  // bricks and roof
-  EXPECT_GT(counts[2], 500);  // outlines
-  EXPECT_LT(counts[2], 320 * 240 / 4);
-}
-
 TEST(Render, RejectsNonsense) {
   const Camera camera = SyntheticCamera(16, 16);
   EXPECT_THROW(RenderFrame(Plane(), camera, {}, {.samples_per_pixel = 0}), std::invalid_argument);

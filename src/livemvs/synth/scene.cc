@@ -191,7 +191,13 @@ Vector2f SyntheticScene::LightAt(const Hit& hit) const {
   return (fx + fy - 1.f) * at(i + 1, j + 1) + (1.f - fy) * at(i + 1, j) + (1.f - fx) * at(i, j + 1);
 }
 
-Vector3f SyntheticScene::Radiance(const Hit& hit, float footprint) const {
+bool SyntheticScene::Hidden(const Vector3d& place, const Vector3d& eye) const {
+  // Not all the way: the place itself does not hide itself.
+  constexpr float kUnblocked = 1 - 2e-3f;
+  return caster_->Occluded(eye.cast<float>(), (place - eye).cast<float>(), kUnblocked);
+}
+
+Vector3f SyntheticScene::DiffuseRadiance(const Hit& hit, float footprint) const {
   const synth::SceneMesh& mesh = description_.mesh;
   const Eigen::Vector3i& c = mesh.faces[hit.face];
   const Vector3f& a = mesh.rest[c[0]];
@@ -202,6 +208,48 @@ Vector3f SyntheticScene::Radiance(const Hit& hit, float footprint) const {
                                             footprint);
   const Vector2f light = LightAt(hit);
   return color.cwiseProduct(light.x() * kSkyColor + light.y() * kLampColor);
+}
+
+Vector3f SyntheticScene::Radiance(const Hit& hit,
+                                  const Vector3f& direction,
+                                  float footprint) const {
+  const Vector3f diffuse = DiffuseRadiance(hit, footprint);
+  const synth::SceneMesh& mesh = description_.mesh;
+  const float gloss = description_.materials[mesh.face_materials[hit.face]].gloss;
+  if (gloss <= 0.f) return diffuse;
+  const Eigen::Vector3i& c = mesh.faces[hit.face];
+  Vector3f normal = ((1.f - hit.u - hit.v) * mesh.normals[c[0]] + hit.u * mesh.normals[c[1]] +
+                     hit.v * mesh.normals[c[2]])
+                        .normalized();
+  if (normal.dot(direction) > 0.f) normal = -normal;
+  // Fresnel's law in Schlick's approximation.
+  const float grazing = 1.f + normal.dot(direction);
+  const float share = gloss + (1.f - gloss) * std::pow(grazing, 5.f);
+  return (1.f - share) * diffuse + share * MirroredRadiance(hit, direction, normal, footprint);
+}
+
+Vector3f SyntheticScene::MirroredRadiance(const Hit& hit,
+                                          const Vector3f& direction,
+                                          const Vector3f& normal,
+                                          float footprint) const {
+  constexpr float kSharpness = 300.f;      // of the lamp's image
+  constexpr float kLampBrightness = 30.f;  // of the lamp itself, per unit of its power
+  const auto& p = description_.mesh.positions;
+  const Eigen::Vector3i& c = description_.mesh.faces[hit.face];
+  const Vector3f mirrored = direction - 2.f * normal.dot(direction) * normal;
+  const Vector3f place = (1.f - hit.u - hit.v) * p[c[0]] + hit.u * p[c[1]] + hit.v * p[c[2]] +
+                         0.02f * description_.light_spacing * normal;
+  synth::RayCaster::Hit seen;
+  // What is seen in a mirror is taken to be matt: one bounce is enough to mislead a matcher.
+  Vector3f light = caster_->Intersect(place, mirrored, &seen)
+                       ? DiffuseRadiance({seen.distance, seen.face, seen.u, seen.v}, footprint)
+                       : Background(mirrored);
+  const Vector3f to_lamp = description_.lamp - place;
+  const float towards = mirrored.dot(to_lamp.normalized());
+  if (towards > 0.f && !caster_->Occluded(place, to_lamp, 0.999f)) {
+    light += kLampBrightness * description_.lamp_power * std::pow(towards, kSharpness) * kLampColor;
+  }
+  return light;
 }
 
 Vector3f SyntheticScene::Background(const Vector3f& direction) const {
@@ -225,7 +273,7 @@ TriangleMesh SyntheticScene::mesh() const {
   for (int f = 0; f < static_cast<int>(from.faces.size()); ++f) {
     for (int corner = 0; corner < 3; ++corner) {
       const Hit hit{0, f, corner == 1 ? 1.f : 0.f, corner == 2 ? 1.f : 0.f};
-      mesh.colors[from.faces[f][corner]] = synth::ToSrgb(Radiance(hit, 0.002f));
+      mesh.colors[from.faces[f][corner]] = synth::ToSrgb(DiffuseRadiance(hit, 0.002f));
     }
   }
   return mesh;

@@ -13,12 +13,14 @@ namespace {
 
 using Describe = void (*)(SceneWriter&, SceneDescription*);
 
-constexpr std::array<std::pair<std::string_view, Describe>, 5> kScenes{{
+constexpr std::array<std::pair<std::string_view, Describe>, 7> kScenes{{
     {"table", DescribeTable},
     {"relief", DescribeRelief},
     {"house", DescribeHouse},
     {"room", DescribeRoom},
     {"plane", DescribePlane},
+    {"hazards", DescribeHazards},
+    {"bench", DescribeBench},
 }};
 
 }  // namespace

@@ -50,5 +50,7 @@ void DescribeHouse(SceneWriter& writer, SceneDescription* scene);
 void DescribeRelief(SceneWriter& writer, SceneDescription* scene);
 void DescribeRoom(SceneWriter& writer, SceneDescription* scene);
 void DescribePlane(SceneWriter& writer, SceneDescription* scene);
+void DescribeHazards(SceneWriter& writer, SceneDescription* scene);
+void DescribeBench(SceneWriter& writer, SceneDescription* scene);
 
 }  // namespace livemvs::synth

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -34,7 +35,7 @@ TEST(Scene, RaysMeetTheBallWhereAlgebraSays) {
 
 TEST(Scene, FacesPointOutward) {
   // From far away, only fronts of closed solids can be seen.
-  for (const char* name : {"table", "house", "relief"}) {
+  for (const char* name : {"table", "house", "relief", "hazards", "bench"}) {
     const SyntheticScene scene({.name = name, .shadows = false});
     for (int i = 0; i < 2000; ++i) {
       const double a = 0.7 * i, h = 0.15 + 0.8 * (i % 50) / 50.0;
@@ -59,7 +60,7 @@ TEST(Scene, ShadowsAreDarkerThanTheOpenTable) {
     for (int i = 0; i < 400; ++i) {
       const double dx = 0.0004 * (i % 20 - 10), dy = 0.0004 * (i / 20 - 10);
       if (Table().Intersect({x + dx, y + dy, 1.0}, {0, 0, -1}, &hit)) {
-        sum += Table().Radiance(hit, 0.001f).mean();
+        sum += Table().Radiance(hit, -Vector3f::UnitZ(), 0.001f).mean();
       }
     }
     return sum;
@@ -74,13 +75,48 @@ TEST(Scene, FinerPixelsShowFinerTexture) {
     double sum = 0, last = 0;
     for (int i = 0; i < 1000; ++i) {
       EXPECT_TRUE(Table().Intersect({-0.3 + 1e-4 * i, -0.3, 1.0}, {0, 0, -1}, &hit));
-      const double value = Table().Radiance(hit, footprint).mean();
+      const double value = Table().Radiance(hit, -Vector3f::UnitZ(), footprint).mean();
       if (i > 0) sum += std::abs(value - last);
       last = value;
     }
     return sum;
   };
   EXPECT_GT(roughness(2e-4f), 2 * roughness(5e-3f));
+}
+
+TEST(Scene, OnlyGlossyThingsLookDifferentFromEverySide) {
+  const SyntheticScene scene({.name = "hazards", .shadows = false});
+  // The top of the glossy ball and the plain card, each seen from two sides.
+  const auto change = [&](const Vector3d& place) {
+    std::array<Vector3f, 2> light;
+    for (int side = 0; side < 2; ++side) {
+      const Vector3d from = place + (side ? Vector3d(0.1, -0.1, 0.45) : Vector3d(-0.4, -0.2, 0.12));
+      SyntheticScene::Hit hit;
+      EXPECT_TRUE(scene.Intersect(from, place - from, &hit));
+      EXPECT_NEAR(hit.distance, 1, 0.01);
+      const Vector3f direction = (place - from).normalized().cast<float>();
+      // The pixel is wide: the places differ by a part of it.
+      light[side] = scene.Radiance(hit, direction, 0.05f);
+      const Vector3f diffuse = scene.DiffuseRadiance(hit, 0.05f);
+      const auto& material = scene.materials()[scene.MaterialOf(hit.face)];
+      EXPECT_EQ(light[side] == diffuse, material.gloss == 0) << material.name;
+    }
+    return (light[0] - light[1]).norm();
+  };
+  EXPECT_GT(change({0.0, -0.035, 0.072}), 0.01);
+  EXPECT_LT(change({-0.15, -0.095, 0.001}), 1e-6);
+}
+
+TEST(Scene, APolishedTopMirrorsTheSky) {
+  const SyntheticScene scene({.name = "hazards", .shadows = false});
+  SyntheticScene::Hit hit;
+  ASSERT_TRUE(scene.Intersect({0.092, 0.01, 1.0}, {0, 0, -1}, &hit));
+  ASSERT_EQ(scene.materials()[scene.MaterialOf(hit.face)].name, "polished cylinder");
+  const Vector3f sky = scene.Background({0, 0, 1});
+  const Vector3f top = scene.Radiance(hit, {0, 0, -1}, 0.001f);
+  const Vector3f own = scene.DiffuseRadiance(hit, 0.001f);
+  // Head-on, Fresnel's share is the gloss.
+  EXPECT_LT((top - (0.35f * own + 0.65f * sky)).norm(), 0.02f);
 }
 
 TEST(Scene, MeshMatchesTheRays) {

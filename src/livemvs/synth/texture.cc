@@ -1,5 +1,6 @@
 #include "livemvs/synth/texture.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -152,6 +153,73 @@ Vector3f Print(const Place& s) {
   return Mix(Mix(s.m.base, s.m.second, big), s.m.accent, small) * s.Grain(0.2f * s.m.scale);
 }
 
+Vector3f Stripes(const Place& s) {
+  const float across = FaceCoordinates(s.object, s.normal).x() / s.m.scale;
+  const float place = across - std::floor(across);
+  const float soft = 0.5f * s.footprint / s.m.scale + 0.01f;
+  const float dark = SmoothStep(0.25f - soft, 0.25f + soft, std::abs(place - 0.5f));
+  return Mix(s.m.base, s.m.second, dark);
+}
+
+Vector3f Weave(const Place& s) {
+  const Vector2f at = FaceCoordinates(s.object, s.normal) / s.m.scale;
+  const int column = static_cast<int>(std::floor(at.x()));
+  const int row = static_cast<int>(std::floor(at.y()));
+  const bool along_x = ((column + row) & 1) != 0;  // which thread lies on top
+  const float across = along_x ? at.y() - std::floor(at.y()) : at.x() - std::floor(at.x());
+  const float dye = along_x ? LatticeUniform(0, row, 11) : LatticeUniform(column, 0, 12);
+  const float round = 1.f - 2.2f * (across - 0.5f) * (across - 0.5f);
+  return Mix(s.m.base, along_x ? s.m.second : s.m.accent, 0.25f + 0.75f * dye) * round *
+         s.Grain(0.8f * s.m.scale);
+}
+
+Vector3f Text(const Place& s) {
+  constexpr float kPitch = 1.7f;  // of the lines, in heights of a letter
+  const float h = s.m.scale;
+  const Vector2f at = FaceCoordinates(s.object, s.normal) / h;
+  const float line = std::floor(at.y() / kPitch);
+  const float letter = std::floor(at.x() / 0.75f);
+  const int i = static_cast<int>(letter), j = static_cast<int>(line);
+  // A letter is made of 3 x 5 strokes, each there or not; the fourth column keeps letters apart.
+  const int u = static_cast<int>((at.x() - 0.75f * letter) / 0.1875f);
+  const int v = static_cast<int>((at.y() - kPitch * line) * 5.f);
+  const bool ink = u < 3 && v < 5 && LatticeUniform(i, j, 3) > 0.2f &&
+                   LatticeUniform(4 * i + u, 5 * j + v, 5) < 0.6f;
+  const float visible = 1.f - SmoothStep(0.1f * h, 0.4f * h, s.footprint);
+  const float coverage = visible * (ink ? 1.f : 0.f) + (1.f - visible) * 0.22f;
+  return Mix(s.m.base, s.m.accent, coverage) * s.Grain(0.3f * h);
+}
+
+Vector3f Dots(const Place& s) {
+  // Turned, so that no flat face shows the lattice.
+  static const Eigen::Matrix3f turn =
+      Eigen::AngleAxisf(0.9f, Vector3f(1.f, 0.6f, -0.4f).normalized()).toRotationMatrix();
+  Vector3f color = s.m.base;
+  float size = s.m.scale;
+  for (int layer = 0; layer < 3; ++layer, size *= 0.55f) {
+    // One ball in each cube of a lattice, which it does not leave.
+    const Vector3f q = turn * s.p / size + Vector3f::Constant(0.37f * static_cast<float>(layer));
+    const Vector3f low = q.array().floor();
+    const int x = static_cast<int>(low.x()), y = static_cast<int>(low.y());
+    const int z = static_cast<int>(low.z());
+    const float radius = 0.16f + 0.3f * LatticeUniform(x, y, z + 50 * layer);
+    const Vector3f free(LatticeUniform(y, z, x), LatticeUniform(z, x, y), LatticeUniform(x, z, y));
+    const Vector3f center = Vector3f::Constant(radius) + (1.f - 2.f * radius) * free;
+    const float soft = 0.03f + 0.5f * s.footprint / size;
+    const float inside = 1.f - SmoothStep(radius - soft, radius + soft, (q - low - center).norm());
+    color = Mix(color, layer == 1 ? s.m.second : s.m.accent, 0.85f * inside);
+  }
+  return color * s.Grain(0.3f * s.m.scale);
+}
+
+Vector3f Brushed(const Place& s) {
+  const Vector3f stretched(0.03f * s.p.x(), s.p.y(), s.p.z());
+  const float line = s.Fractal(stretched, s.m.scale, 0.8f);
+  const float stain = s.Fractal(s.p, 12.f * s.m.scale, 0.5f);
+  const float t = 0.5f + 2.f * s.m.contrast * line + 0.5f * s.m.contrast * stain;
+  return Mix(s.m.base, s.m.second, std::clamp(t, 0.f, 1.f));
+}
+
 }  // namespace
 
 Vector3f FromSrgb(std::uint32_t rgb) {
@@ -202,6 +270,16 @@ Vector3f Reflectance(const Material& material,
       return Glaze(place);
     case Texture::kPrint:
       return Print(place);
+    case Texture::kStripes:
+      return Stripes(place);
+    case Texture::kWeave:
+      return Weave(place);
+    case Texture::kText:
+      return Text(place);
+    case Texture::kDots:
+      return Dots(place);
+    case Texture::kBrushed:
+      return Brushed(place);
   }
   return material.base;
 }

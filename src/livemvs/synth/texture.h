@@ -21,6 +21,11 @@ enum class Texture : std::uint8_t {
   kMarble,    ///< Veins.
   kGlaze,     ///< Painted bands along z under a speckled glaze.
   kPrint,     ///< Blots of many sizes, as of printed paper.
+  kStripes,   ///< Equal stripes along the horizontal of flat faces, with nothing else.
+  kWeave,     ///< Threads over and under each other, on flat faces.
+  kText,      ///< Lines of printed words, on flat faces.
+  kDots,      ///< Round spots of many sizes.
+  kBrushed,   ///< Fine lines along x, as of brushed metal or the edges of pages.
 };
 
 /// What a surface is made of. Colours are linear reflectances, 0 to 1.
@@ -32,6 +37,9 @@ struct Material {
   Eigen::Vector3f accent = Eigen::Vector3f::Constant(0.5f);
   float scale = 0.02f;    ///< Size of the texture's main features [m].
   float contrast = 0.5f;  ///< Of the fine grain.
+  /// Share of the light that is mirrored straight on, growing to 1 along the surface: glazed
+  /// ceramics 0.05, polished metal 0.6; 0: matt, the same from everywhere.
+  float gloss = 0;
   bool textureless = false;
   bool repetitive = false;
   Eigen::Vector3f shift = Eigen::Vector3f::Zero();  ///< Of the noise; from the scene's seed.

@@ -1,0 +1,94 @@
+// From rendered frames through the reconstruction to the measure of false convergence.
+
+#include "livemvs/eval/false_convergence.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "livemvs/pipeline/reconstructor.h"
+#include "livemvs/synth/labels.h"
+
+namespace livemvs {
+namespace {
+
+constexpr int kFrames = 40;
+constexpr int kLabelsEvery = 8;
+
+// In pictures this small, with paths this short, one per cent of the depth is half a pixel of
+// parallax: what a good match may be off by. Falsehoods are larger.
+constexpr double kTolerance = 0.03;
+
+class Recorder : public SeedObserver {
+ public:
+  void OnSeed(const SeedRecord& record) override { records.push_back(record); }
+  std::vector<SeedRecord> records;
+};
+
+// A part of the hazards' orbit with the steps of a video, noisy.
+SequenceOptions Sequence() {
+  SequenceOptions sequence;
+  sequence.path = DefaultPath("hazards");
+  sequence.path.frames = kFrames;
+  sequence.path.start_deg = -110;
+  sequence.path.arc_deg = 35;
+  sequence.camera = SyntheticCamera(320, 240);
+  sequence.samples_per_pixel = 2;
+  sequence.noise_sigma = 2;
+  return sequence;
+}
+
+struct Recording {
+  SyntheticScene scene{{.name = "hazards"}};
+  std::vector<SyntheticFrame> frames = RenderSequence(scene, Sequence());
+  std::vector<LabelledView> views;
+
+  Recording() {
+    for (int i = 0; i < kFrames; i += kLabelsEvery) {
+      const PosedFrame& f = frames[i].frame;
+      views.push_back(
+          {f.index, f.camera, f.cam_from_world, LabelSequenceFrame(scene, Sequence(), frames[i])});
+    }
+  }
+};
+
+FalseConvergence Measure(const Recording& recording, const Options& options) {
+  SceneRange range;  // as where little is known of the scene
+  range.near = 0.25;
+  range.far = 1.5;
+  Recorder recorder;
+  Reconstructor reconstructor(options, range);
+  reconstructor.SetObserver(&recorder);
+  for (const SyntheticFrame& f : recording.frames) reconstructor.AddFrame(f.frame);
+  reconstructor.ReportLiveSeeds();
+  return MeasureFalseConvergence(recorder.records,
+                                 recording.views,
+                                 MeshSurface(recording.scene.mesh()),
+                                 {.tolerance = kTolerance});
+}
+
+const ConvergenceCounts& Of(const FalseConvergence& result, const std::string& key) {
+  std::size_t i = 0;
+  while (kLabelClasses.at(i).key != key) ++i;
+  return result.classes[i];
+}
+
+TEST(FalseConvergence, OfThePublishedConstantsIsMuchLargerWithoutTexture) {
+  const Recording recording;
+  const FalseConvergence paper = Measure(recording, PaperOptions());
+  const FalseConvergence ours = Measure(recording, Options{});
+  const ConvergenceCounts& plain_paper = Of(paper, "textureless_off_edges");
+  const ConvergenceCounts& plain_ours = Of(ours, "textureless_off_edges");
+  ASSERT_GT(plain_paper.planted, 200U);
+  EXPECT_GT(plain_paper.FalseRate(), 0.3);
+  EXPECT_LT(plain_ours.FalseRate(), 0.01);
+  EXPECT_GT(plain_paper.falsely_converged, 10 * plain_ours.falsely_converged);
+  // On ordinary ground both mostly find the surface.
+  const ConvergenceCounts& ordinary = Of(ours, "no_label");
+  EXPECT_GT(ordinary.converged, 1000U);
+  EXPECT_LT(ordinary.FalseShare(), 0.05);
+}
+
+}  // namespace
+}  // namespace livemvs
