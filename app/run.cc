@@ -22,6 +22,8 @@
 #include "livemvs/io/prefetcher.h"
 #include "livemvs/io/seed_trace.h"
 #include "livemvs/map/normals.h"
+#include "livemvs/map/regularise.h"
+#include "livemvs/map/supersede.h"
 #include "livemvs/pipeline/reconstructor.h"
 #include "livemvs/pipeline/scene_range.h"
 #include "livemvs/pipeline/search_mode.h"
@@ -300,6 +302,8 @@ void Run(const RunArguments& args) {
   const double loop_seconds = SecondsSince(loop_start);
 
   PointCloud cloud = reconstructor.TakePoints();
+  RemoveSuperseded(&cloud);
+  if (!std::getenv("NOREG")) Regularise({}, &cloud);
   if (cloud.empty()) ExplainEmptyCloud(reconstructor.statistics());
   WriteCloud(args, &cloud);
   const nlohmann::json statistics = StatisticsJson(args,

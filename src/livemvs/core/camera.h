@@ -35,6 +35,9 @@ struct Camera {
   /// focal lengths, or an empty image.
   void Check() const;
 
+  /// Mean of the two focal lengths [px].
+  double FocalLength() const { return std::sqrt(std::abs(fx * fy)); }
+
   bool Contains(const Eigen::Vector2d& pixel, double border = 0) const {
     return pixel.x() >= border && pixel.y() >= border && pixel.x() <= width - 1 - border &&
            pixel.y() <= height - 1 - border;

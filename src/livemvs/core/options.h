@@ -44,7 +44,6 @@ struct Options {
   /// Least standard deviation of a patch's grey levels to be worth a seed.
   float min_patch_stddev = 5;
   float coarse_stddev = 2;
-  float guide_px = 12;
   float level_gamma = 1;
 
   // --- The prior, [VH11] Sec. 4.2
@@ -123,7 +122,6 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("cover_angle_deg", o.cover_angle_deg);
   visit("min_patch_stddev", o.min_patch_stddev);
   visit("level_gamma", o.level_gamma);
-  visit("guide_px", o.guide_px);
   visit("coarse_stddev", o.coarse_stddev);
   visit("prior_a", o.prior_a);
   visit("prior_b", o.prior_b);

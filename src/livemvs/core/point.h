@@ -17,7 +17,8 @@ struct Point {
   float sigma = 0;          ///< Standard deviation of the depth [scene].
   float inlier_ratio = 0;   ///< Mean of the Beta posterior, a / (a + b).
   std::uint16_t views = 0;  ///< Frames whose measurement agreed.
-  std::uint8_t level = 0;   ///< Of the image pyramid on which it was matched.
+  float footprint = 0;      ///< Width on the surface of a pixel of the image it was matched in
+                            ///< [scene].
 };
 
 using PointCloud = std::vector<Point>;

@@ -83,7 +83,7 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   for (const ReferenceFrame& reference : pool_.references()) {
     const auto level = static_cast<std::size_t>(reference.level);
     if (level >= cameras.size()) continue;  // a smaller picture than the one they were born in
-    const double focal = std::sqrt(std::abs(reference.camera.fx * reference.camera.fy));
+    const double focal = reference.camera.FocalLength();
     groups_.push_back({reference.begin,
                        reference.end,
                        reference.level,
@@ -147,7 +147,7 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   point.sigma = z.sigma;
   point.inlier_ratio = s.a[i] / (s.a[i] + s.b[i]);
   point.views = s.counts[i].views;
-  point.level = static_cast<std::uint8_t>(reference.level);
+  point.footprint = z.depth / static_cast<float>(reference.camera.FocalLength());
   if (const auto pixel = projector.Project(in_cur)) {
     const auto clamped = [](double v, int size) {
       return static_cast<int>(std::lround(std::clamp(v, 0.0, size - 1.0)));

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -13,8 +12,8 @@
 namespace livemvs {
 namespace {
 
-// Side of the squares of pixels that share a guess of their depth.
-constexpr int kGuideCell = 4;
+// A point whose pixel was this many times as wide as a pixel here does not cover it.
+constexpr float kCoarser = 1.5F;
 
 // Seeds or points that a thread takes at a time.
 constexpr std::size_t kGrain = 1024;
@@ -102,14 +101,9 @@ std::int64_t Spawner::Spawn(const PosedFrame& frame,
     if (maps.covered.width() != view.grey.width || maps.covered.height() != view.grey.height) {
       maps.covered = Image<std::uint8_t>(view.grey.width, view.grey.height);
       maps.candidate = Image<std::uint8_t>(view.grey.width, view.grey.height);
-      maps.guide = Image<std::uint32_t>(view.grey.width / kGuideCell + 1,
-                                        view.grey.height / kGuideCell + 1);
     }
     for (int y = 0; y < view.grey.height; ++y) {
       std::memset(maps.covered.Row(y), 0, view.grey.width);
-    }
-    for (int y = 0; y < maps.guide.height(); ++y) {
-      std::memset(maps.guide.Row(y), 0, maps.guide.width() * sizeof(std::uint32_t));
     }
     if (options_.cover_radius_px >= 0) {
       CoverBySeeds(view, *pool, &maps);
@@ -166,6 +160,7 @@ void Spawner::CoverByPoints(const View& view, const PointCloud& points, Maps* ma
   const Eigen::Vector3f translation = view.cam_from_world.translation.cast<float>();
   const Eigen::Vector3f center = view.cam_from_world.Center().cast<float>();
   const float min_cosine = std::cos(options_.cover_angle_deg * static_cast<float>(M_PI / 180));
+  const auto pixel_width = static_cast<float>(1 / view.camera.FocalLength());
   const auto width = static_cast<float>(view.camera.width);
   const auto height = static_cast<float>(view.camera.height);
   VisitModel(view.camera.model, [&](auto model) {
@@ -182,14 +177,8 @@ void Spawner::CoverByPoints(const View& view, const PointCloud& points, Maps* ma
         // The back of an object does not cover its front: compare the directions of view.
         const Eigen::Vector3f to_camera = (center - points[i].position).normalized();
         if (!(to_camera.dot(points[i].normal) > min_cosine)) continue;
-        std::atomic_ref<std::uint32_t> cell(
-            maps->guide(static_cast<int>(u) / kGuideCell, static_cast<int>(v) / kGuideCell));
-        const auto bits = std::bit_cast<std::uint32_t>(1 / p.norm());
-        std::uint32_t old = cell.load(std::memory_order_relaxed);
-        while (bits > old && !cell.compare_exchange_weak(old, bits, std::memory_order_relaxed)) {
-        }
         // A coarse point does not stand for the finer ones that may still be found.
-        if (points[i].level <= view.level) Stamp(u, v, &maps->covered);
+        if (points[i].footprint <= kCoarser * p.norm() * pixel_width) Stamp(u, v, &maps->covered);
       }
     });
   });
@@ -255,36 +244,15 @@ std::int64_t Spawner::Plant(const View& view, const Maps& maps, std::size_t slot
         if (carry < share_of) continue;
         carry -= share_of;
       }
-      planted += PlantOne(view, maps, projector, x, y, pool);
+      planted += PlantOne(view, projector, x, y, pool);
     }
   }
   pool->EndReference();
   return planted;
 }
 
-float Spawner::Guess(const View& view, const Maps& maps, int x, int y) const {
-  if (options_.guide_px <= 0) return 0;
-  auto hash = static_cast<std::uint32_t>(x) * 73856093U ^ static_cast<std::uint32_t>(y) * 19349663U ^
-              static_cast<std::uint32_t>(view.frame_index) * 83492791U;
-  hash ^= hash >> 15;
-  hash *= 2246822519U;
-  hash ^= hash >> 13;
-  if (hash % 4 == 0) return 0;
-  const int cx = x / kGuideCell, cy = y / kGuideCell;
-  const std::uint32_t own = maps.guide(cx, cy);
-  if (own != 0) return std::bit_cast<float>(own);
-  constexpr int kAround[8][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
-  for (int i = 0; i < 8; ++i) {
-    const auto& [dx, dy] = kAround[(i + hash / 4) % 8];
-    const int nx = cx + dx, ny = cy + dy;
-    if (nx < 0 || ny < 0 || nx >= maps.guide.width() || ny >= maps.guide.height()) continue;
-    if (maps.guide(nx, ny) != 0) return std::bit_cast<float>(maps.guide(nx, ny));
-  }
-  return 0;
-}
-
 bool Spawner::PlantOne(
-    const View& view, const Maps& maps, const Projector& projector, int x, int y, SeedPool* pool) const {
+    const View& view, const Projector& projector, int x, int y, SeedPool* pool) const {
   const auto ray = projector.Unproject({x, y});
   if (!ray) return false;
   const double norm = ray->norm();
@@ -302,17 +270,7 @@ bool Spawner::PlantOne(
   seed.patch = &view.grey(x, y);
   seed.stride = view.grey.stride;
   constexpr float kSigma = 0.5F / kSigmas99;
-  Posterior<float> prior = {0.5F, kSigma * kSigma, options_.prior_a, options_.prior_b};
-  if (const float inverse = Guess(view, maps, x, y); inverse > 0) {
-    const bool depth = options_.coordinate == DepthCoordinate::kDepth;
-    const float c = depth ? 1 / inverse : inverse;
-    const float length = seed.interval.c1 - seed.interval.c0;
-    const float sigma_c = options_.guide_px / static_cast<float>(std::abs(view.camera.fx)) * c;
-    const float mu = (c - seed.interval.c0) / length;
-    const float sigma = std::min(sigma_c / std::abs(length), kSigma);
-    if (mu > 0 && mu < 1) prior = {mu, sigma * sigma, prior.a, prior.b};
-  }
-  pool->Add(seed, prior);
+  pool->Add(seed, {0.5F, kSigma * kSigma, options_.prior_a, options_.prior_b});
   return true;
 }
 

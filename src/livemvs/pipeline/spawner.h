@@ -47,7 +47,6 @@ class Spawner {
   struct Maps {
     Image<std::uint8_t> covered;    // 1 where no seed is wanted
     Image<std::uint8_t> candidate;  // 1 + phase of the thinning pattern where a seed may be planted
-    Image<std::uint32_t> guide;     // by cell: bits of 1 / distance of the nearest point, or 0
   };
 
   void CoverBySeeds(const View& view, const SeedPool& pool, Maps* maps) const;
@@ -55,8 +54,7 @@ class Spawner {
   void FindCandidates(const View& view, Maps* maps) const;
   void Stamp(float x, float y, Image<std::uint8_t>* covered) const;
   std::int64_t Plant(const View& view, const Maps& maps, std::size_t slots, SeedPool* pool) const;
-  bool PlantOne(const View& view, const Maps& maps, const Projector& projector, int x, int y, SeedPool* pool) const;
-  float Guess(const View& view, const Maps& maps, int x, int y) const;
+  bool PlantOne(const View& view, const Projector& projector, int x, int y, SeedPool* pool) const;
 
   Options options_;
   SceneRange range_;

@@ -1,0 +1,58 @@
+#include "livemvs/map/supersede.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "livemvs/map/point_index.h"
+#include "livemvs/parallel/parallel_for.h"
+
+namespace livemvs {
+namespace {
+
+// Levels of a pyramid differ by a factor of 2; the distance of the camera varies within one.
+constexpr float kFiner = 1 / 1.5F;
+
+// Neighbours that are looked at: where finer points are dense, one of them is among these.
+constexpr int kNeighbors = 8;
+
+constexpr std::size_t kGrain = 1024;
+
+}  // namespace
+
+std::size_t RemoveSuperseded(PointCloud* cloud) {
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<std::size_t> rows;
+  float finest = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < cloud->size(); ++i) {
+    const Point& p = (*cloud)[i];
+    if (!p.position.allFinite()) continue;
+    positions.push_back(p.position);
+    rows.push_back(i);
+    finest = std::min(finest, p.footprint);
+  }
+  const PointIndex index(std::move(positions));
+  std::vector<char> superseded(cloud->size(), 0);
+  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    std::vector<PointIndex::Neighbor> neighbors;
+    for (std::size_t i = first; i < last; ++i) {
+      const float footprint = (*cloud)[rows[i]].footprint;
+      if (!(footprint * kFiner > finest)) continue;
+      index.Nearest(index.points()[i], kNeighbors, &neighbors);
+      for (const PointIndex::Neighbor& n : neighbors) {
+        if (n.distance2 > footprint * footprint) break;
+        if ((*cloud)[rows[n.index]].footprint < kFiner * footprint) superseded[rows[i]] = 1;
+      }
+    }
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cloud->size(); ++i) {
+    if (!superseded[i]) (*cloud)[kept++] = (*cloud)[i];
+  }
+  const std::size_t removed = cloud->size() - kept;
+  cloud->resize(kept);
+  return removed;
+}
+
+}  // namespace livemvs
