@@ -3,7 +3,9 @@
 
 #include "livemvs/backend/cpu/kernels.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -13,23 +15,12 @@ namespace livemvs {
 namespace LIVEMVS_TARGET {
 namespace {
 
+#include "livemvs/backend/cpu/lanes.inc"
 #include "livemvs/backend/cpu/matcher.inc"
 
-/// One seed as the kernel works on it.
-struct Seed {
-  Interval<float> interval;
-  Posterior<float> posterior;
-  const std::uint8_t* patch;
-  bool born;  ///< False while the whole interval is still to be searched for a first match.
-};
-
-/// A successful measurement.
-struct Measurement {
-  float x;     ///< mu of the match.
-  float tau2;  ///< Its variance [mu²].
-  float u;     ///< Density of outliers there.
-  float bias2_px;  ///< Variance of the error that all matches of the seed share [px²].
-};
+/// Seeds that are prepared together, so that those with windows of like length are searched side by
+/// side.
+constexpr std::size_t kBlock = 512;
 
 /// A search radius that the seed's interval always cuts short [px].
 constexpr float kWholeLine = 1e4F;
@@ -39,6 +30,24 @@ constexpr int kBirthTries = 2;
 
 /// Width of a posterior that starts from a single match, in standard deviations of that match.
 constexpr float kBirthSigmas = 2;
+
+/// A seed in the current frame, from its projection to its match.
+struct LineSearch {
+  std::size_t seed;  ///< Index into the columns.
+  Projection<float> projection;
+  SearchRange range;
+  float scale;     ///< Of the sampling grid.
+  float tau2_px;   ///< Variance of a match [px²].
+  float bias2_px;  ///< Variance of the error that all matches of the seed share [px²].
+  bool born;       ///< False while the whole interval is searched for a first match.
+};
+
+/// A successful measurement.
+struct Measurement {
+  float x;     ///< mu of the match.
+  float tau2;  ///< Its variance [mu²].
+  float u;     ///< Density of outliers there.
+};
 
 /// Distance from the patch's centre within which samples are taken [px].
 float MarginOf(bool warp, float scale) {
@@ -57,108 +66,183 @@ float MeasurementSigma2(const Options& options, float gradient) {
          (noise2 > 0 ? 2 * noise2 / (gradient + 1e-6F) : 0);
 }
 
-MatchStatus Measure(const UpdateJob& job,
-                    const Seed& seed,
-                    const Projection<float>& p,
-                    Measurement* measurement) {
+/// [VH11] Algorithm 1, step 2a: projects the ray and decides where along it to search. kMatched
+/// where there is something to search for.
+template <typename Model>
+MatchStatus Prepare(const UpdateJob& job, std::size_t i, LineSearch* search) {
   const Options& options = *job.options;
-  const float sigma_px = std::sqrt(seed.posterior.sigma2) * p.rate;
+  const SeedColumns& s = job.seeds;
+  const RelativeView<float>& view = job.group->view;
+  search->seed = i;
+  search->born = options.search != Search::kFull || s.counts[i].views > 0;
+  search->projection = ProjectSeed<Model>(
+      view, options.coordinate, {s.c0[i], s.c1[i]}, s.bearing_x[i], s.bearing_y[i], s.mu[i]);
+  const Projection<float>& p = search->projection;
+  if (!p.visible) return MatchStatus::kOutOfView;
+  const float sigma_px = std::sqrt(s.sigma2[i]) * p.rate;
   constexpr float kAtRest = 1e-3F;  // pixels that the whole interval spans: no line to search
   if (!(4 * sigma_px >= options.min_parallax_px && p.rate > kAtRest)) {
     return MatchStatus::kNoInformation;
   }
-  const RelativeView<float>& view = job.group->view;
   // The line's direction in the reference patch.
-  const float c = job.warp ? view.roll_cos : 1, s = job.warp ? view.roll_sin : 0;
-  const Texture texture = TextureAlong(seed.patch, c * p.dx + s * p.dy, c * p.dy - s * p.dx);
+  const float c = job.warp ? view.roll_cos : 1, r = job.warp ? view.roll_sin : 0;
+  const Texture texture = TextureAlong(
+      s.patch + i * kPatchPixels, c * p.dx + r * p.dy, c * p.dy - r * p.dx);
   const float slip = options.epipolar_error_px * texture.along_across / (texture.along2 + 1e-6F);
-  const float tau2_px = MeasurementSigma2(options, texture.along2) + slip * slip;
-  measurement->bias2_px = options.match_bias_px * options.match_bias_px + slip * slip;
-  if (tau2_px > options.max_measurement_sigma_px * options.max_measurement_sigma_px) {
+  search->tau2_px = MeasurementSigma2(options, texture.along2) + slip * slip;
+  search->bias2_px = options.match_bias_px * options.match_bias_px + slip * slip;
+  if (search->tau2_px > options.max_measurement_sigma_px * options.max_measurement_sigma_px) {
     return MatchStatus::kNoInformation;
   }
-  const float scale = Clamp(p.scale, 0.25F, 4.0F);
-  const float radius = seed.born ? Clamp(options.search_sigmas * sigma_px,
-                                         options.search_radius_px,
-                                         options.search_radius_max_px)
-                                 : kWholeLine;
-  const SearchRange range =
-      ClipSearch(view, p, seed.posterior.mu, radius, MarginOf(job.warp, scale));
-  if (range.last - range.first < 2) return MatchStatus::kOutOfView;
+  search->scale = Clamp(p.scale, 0.25F, 4.0F);
+  const float radius = search->born ? Clamp(options.search_sigmas * sigma_px,
+                                            options.search_radius_px,
+                                            options.search_radius_max_px)
+                                    : kWholeLine;
+  search->range = ClipSearch(view, p, s.mu[i], radius, MarginOf(job.warp, search->scale));
+  return search->range.last - search->range.first < 2 ? MatchStatus::kOutOfView
+                                                      : MatchStatus::kMatched;
+}
 
-  const Template t = MakeTemplate(seed.patch);
-  if (!(t.sum_of_squares >= 1)) return MatchStatus::kNoInformation;
-  const LineMatch match =
-      job.warp ? SearchLine(WarpedSampler{job.image, scale * c, scale * s}, t, p, range)
-               : SearchLine(AlignedSampler{job.image}, t, p, range);
+/// Whether a patch has any contrast at all.
+bool IsFlat(const std::uint8_t* patch) {
+  return std::all_of(patch, patch + kPatchPixels, [&](std::uint8_t v) { return v == patch[0]; });
+}
+
+/// Turns the best maximum into a measurement of the seed's coordinate.
+MatchStatus Conclude(const UpdateJob& job,
+                     const LineSearch& search,
+                     const LineMatch& match,
+                     Measurement* measurement) {
+  const Options& options = *job.options;
   if (match.score <= -2 || match.score < options.min_ncc) return MatchStatus::kMismatch;
   if (options.ambiguity_ncc > 0 && match.runner_up > match.score - options.ambiguity_ncc) {
     return MatchStatus::kNoInformation;
   }
-  measurement->x = seed.posterior.mu + MuStep(p, match.offset);
-  measurement->tau2 = tau2_px / (p.rate * p.rate);
+  const Projection<float>& p = search.projection;
+  measurement->x = job.seeds.mu[search.seed] + MuStep(p, match.offset);
+  measurement->tau2 = search.tau2_px / (p.rate * p.rate);
   measurement->u = 1;
   if (options.outlier_density == OutlierDensity::kWindow) {
-    const float length = MuStep(p, static_cast<float>(range.last) - 0.5F) -
-                         MuStep(p, static_cast<float>(range.first) + 0.5F);
+    const float length = MuStep(p, static_cast<float>(search.range.last) - 0.5F) -
+                         MuStep(p, static_cast<float>(search.range.first) + 0.5F);
     measurement->u = 1 / Clamp(length, 1e-6F, 1.0F);
   }
   return MatchStatus::kMatched;
 }
 
-template <typename Model>
-MatchStatus UpdateSeed(const UpdateJob& job, std::size_t i) {
+/// [VH11] Algorithm 1, step 2c, and the judgement of steps 3 and 4.
+void Finish(const UpdateJob& job,
+          const LineSearch& search,
+          MatchStatus status,
+          const Measurement& measurement) {
   const SeedColumns& s = job.seeds;
+  const std::size_t i = search.seed;
   SeedCounts counts = s.counts[i];
-  const Seed seed = {{s.c0[i], s.c1[i]},
-                     {s.mu[i], s.sigma2[i], s.a[i], s.b[i]},
-                     s.patch + i * kPatchPixels,
-                     job.options->search != Search::kFull || counts.views > 0};
-  // [VH11] Algorithm 1, step 2a.
-  const Projection<float> p = ProjectSeed<Model>(job.group->view,
-                                                 job.options->coordinate,
-                                                 seed.interval,
-                                                 s.bearing_x[i],
-                                                 s.bearing_y[i],
-                                                 seed.posterior.mu);
-  Measurement measurement{};
-  const MatchStatus status =
-      p.visible ? Measure(job, seed, p, &measurement) : MatchStatus::kOutOfView;  // step 2b
-  Posterior<float> q = seed.posterior;
-  if (status == MatchStatus::kMatched && !seed.born) {
+  Posterior<float> q = {s.mu[i], s.sigma2[i], s.a[i], s.b[i]};
+  if (status == MatchStatus::kMatched && !search.born) {
     // Differs from [VH11]: where one frame's step is wider than any window, the best match on the
     // whole line is the hypothesis that the next frames put to the test.
     q = {measurement.x, kBirthSigmas * kBirthSigmas * measurement.tau2, q.a + 1, q.b};
     counts.views = 1;
-  } else if (status == MatchStatus::kMatched) {  // step 2c
-    const Fused<float> fused = Fuse(q, measurement.x, measurement.tau2, measurement.u);
+  } else if (status == MatchStatus::kMatched) {
+    const Fused<float> fused =
+        Fuse(q, measurement.x, measurement.tau2, measurement.u);
     q = fused.posterior;
     if (fused.inlier_weight > 0.5F && counts.views < 255) ++counts.views;
   } else if (status == MatchStatus::kMismatch) {
     q = Miss(q);
   }
   const bool told = status == MatchStatus::kMatched || status == MatchStatus::kMismatch;
-  if (told || (!seed.born && status == MatchStatus::kNoInformation)) ++counts.age;
+  if (told || (!search.born && status == MatchStatus::kNoInformation)) ++counts.age;
   counts.unseen = status != MatchStatus::kOutOfView ? 0
                   : counts.unseen < 255             ? static_cast<std::uint8_t>(counts.unseen + 1)
                                                     : counts.unseen;
   const float total_sigma2 =
-      status == MatchStatus::kMatched ? TotalVariance(q.sigma2, measurement.bias2_px, 1 / p.rate) : -1;
+      status == MatchStatus::kMatched
+          ? TotalVariance(q.sigma2, search.bias2_px, 1 / search.projection.rate)
+          : -1;
   Fate fate = Judge(*job.options,
                     *job.is_outlier,
-                    seed.interval,
+                    {s.c0[i], s.c1[i]},
                     q,
                     counts,
                     total_sigma2,
                     job.group->pixel_width);
-  if (!seed.born && counts.views == 0 && counts.age >= kBirthTries) fate = Fate::kOutlier;
+  if (!search.born && counts.views == 0 && counts.age >= kBirthTries) fate = Fate::kOutlier;
   s.mu[i] = q.mu;
   s.sigma2[i] = fate == Fate::kConverged ? total_sigma2 : q.sigma2;
   s.a[i] = q.a;
   s.b[i] = q.b;
   s.counts[i] = counts;
   s.fate[i] = fate;
-  return status;
+}
+
+/// Fills the lanes of a batch from `count` searches; the rest repeat the last.
+void FillBatch(const UpdateJob& job, const LineSearch* const* searches, int count, SearchBatch* batch) {
+  const RelativeView<float>& view = job.group->view;
+  for (int l = 0; l < kLanes; ++l) {
+    const LineSearch& search = *searches[std::min(l, count - 1)];
+    const Projection<float>& p = search.projection;
+    batch->x[l] = p.x;
+    batch->y[l] = p.y;
+    batch->dx[l] = p.dx;
+    batch->dy[l] = p.dy;
+    batch->step_x[l] = search.scale * view.roll_cos;
+    batch->step_y[l] = search.scale * view.roll_sin;
+    batch->first[l] = search.range.first;
+    batch->last[l] = search.range.last;
+    const std::uint8_t* patch = job.seeds.patch + search.seed * kPatchPixels;
+    for (int k = 0; k < kPatchPixels; ++k) batch->patch[k][l] = static_cast<float>(patch[k]);
+  }
+}
+
+/// Updates seeds [begin, end), kBlock at most, and counts them by status.
+template <typename Model>
+void UpdateBlock(const UpdateJob& job, std::size_t begin, std::size_t end, std::int64_t* count) {
+  LineSearch searches[kBlock];
+  const LineSearch* order[kBlock];
+  int found = 0;
+  const auto finish = [&](const LineSearch& search, MatchStatus status, const Measurement& m) {
+    Finish(job, search, status, m);
+    ++count[static_cast<int>(status)];
+  };
+  for (std::size_t i = begin; i < end; ++i) {
+    if (job.seeds.fate[i] != Fate::kAlive) continue;
+    LineSearch& search = searches[found];
+    MatchStatus status = Prepare<Model>(job, i, &search);
+    if (status == MatchStatus::kMatched && IsFlat(job.seeds.patch + i * kPatchPixels)) {
+      status = MatchStatus::kNoInformation;
+    }
+    if (status == MatchStatus::kMatched) {
+      order[found] = &search;
+      ++found;
+    } else {
+      finish(search, status, {});
+    }
+  }
+  std::sort(order, order + found, [](const LineSearch* a, const LineSearch* b) {
+    const int length_a = a->range.last - a->range.first, length_b = b->range.last - b->range.first;
+    return length_a != length_b ? length_a < length_b : a < b;
+  });
+  SearchBatch batch;
+  BatchMatch match;
+  for (int first = 0; first < found; first += kLanes) {
+    const int used = std::min(kLanes, found - first);
+    FillBatch(job, order + first, used, &batch);
+    if (job.warp) {
+      SearchLines<WarpedSampler>(batch, job.image, &match);
+    } else {
+      SearchLines<AlignedSampler>(batch, job.image, &match);
+    }
+    for (int l = 0; l < used; ++l) {
+      const LineSearch& search = *order[first + l];
+      Measurement measurement{};
+      const MatchStatus status = Conclude(
+          job, search, {match.score[l], match.runner_up[l], match.offset[l]}, &measurement);
+      finish(search, status, measurement);
+    }
+  }
 }
 
 }  // namespace
@@ -166,9 +250,8 @@ MatchStatus UpdateSeed(const UpdateJob& job, std::size_t i) {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end) {
   std::int64_t count[4] = {};
   VisitModel(job.model, [&](auto model) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (job.seeds.fate[i] != Fate::kAlive) continue;
-      ++count[static_cast<int>(UpdateSeed<decltype(model)>(job, i))];
+    for (std::size_t i = begin; i < end; i += kBlock) {
+      UpdateBlock<decltype(model)>(job, i, std::min(i + kBlock, end), count);
     }
   });
   UpdateStatistics statistics;
