@@ -67,7 +67,7 @@ Found Search(const PixelSensor& sensor, std::uint64_t seed) {
 
 }  // namespace
 
-void LocalOptima(const Settings& settings, const Relief& relief) {
+void LocalOptima(const Settings& settings, const PixelSet& relief) {
   std::vector<Found> all(std::min(kPixels, relief.sensors.size()));
   std::atomic<int> done = 0;
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {

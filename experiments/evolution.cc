@@ -16,8 +16,8 @@ double SigmaOfPi(const Posterior<double>& q) {
 
 }  // namespace
 
-void Evolution(const Settings& settings, const Relief& relief) {
-  const PixelSensor& sensor = relief.Find([](const PixelSensor& s) {
+void Evolution(const Settings& settings, const PixelSet& video) {
+  const PixelSensor& sensor = video.Find([](const PixelSensor& s) {
     const auto count = static_cast<int>(s.measurements.size());
     const Posterior<double> q = UpdateInTurn(s, PriorOf(s, kPrior, kPrior), count);
     return s.visible_share > 0.9 && count >= 150 && std::abs(q.mu - s.z_true) < 0.005 * s.range() &&

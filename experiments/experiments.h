@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "relief.h"
+#include "pixel_set.h"
 
 /// The experiments of [VH11], each writing its tables into a folder; scripts/reproduce_paper draws
 /// them. Lengths in the tables are millimetres.
@@ -16,22 +16,22 @@ struct Settings {
 };
 
 /// Fig. 2: NCC over depth, and the local maxima of many neighbours.
-void NccCurves(const Settings& settings, const Relief& relief);
+void NccCurves(const Settings& settings, const PixelSet& relief);
 
 /// Fig. 3: dense against parametric posterior, a success and a failure.
-void Posteriors(const Settings& settings, const Relief& relief);
+void Posteriors(const Settings& settings, const PixelSet& video);
 
 /// Fig. 4: the parametric posterior over the updates.
-void Evolution(const Settings& settings, const Relief& relief);
+void Evolution(const Settings& settings, const PixelSet& video);
 
 /// Fig. 5: sensors that see texture, no texture, and an occlusion.
-void SensorKinds(const Settings& settings);
+void SensorKinds(const Settings& settings, const PixelSet& video);
 
 /// Table 1: accuracy of histogram voting and of the posterior.
-void Table1(const Settings& settings, const Relief& relief);
+void Table1(const Settings& settings, const PixelSet& relief);
 
 /// Sec. 3.1's "EM was trapped in a local optimum for a significant percentage of cases".
-void LocalOptima(const Settings& settings, const Relief& relief);
+void LocalOptima(const Settings& settings, const PixelSet& relief);
 
 /// Fig. 7: accuracy and completeness for 600 and for 30 frames of a video of a house.
 void House(const Settings& settings);

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,43 +15,41 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Experiment {
-  const char* name;
-  std::function<void(const Settings&, const Relief*)> run;
-  bool needs_relief;
+// What the experiments look at, made when the first one asks for it.
+class Data {
+ public:
+  explicit Data(bool quick) : quick_(quick) {}
+
+  const PixelSet& relief() { return relief_ ? *relief_ : relief_.emplace(MakeRelief(quick_)); }
+  const PixelSet& video() { return video_ ? *video_ : video_.emplace(MakeVideo(quick_)); }
+
+ private:
+  bool quick_;
+  std::optional<PixelSet> relief_, video_;
 };
 
-// An experiment with the relief's pixels.
-auto OnRelief(void (*run)(const Settings&, const Relief&)) {
-  return [run](const Settings& settings, const Relief* relief) { run(settings, *relief); };
-}
+struct Experiment {
+  const char* name;
+  void (*run)(const Settings& settings, Data* data);
+};
 
-// An experiment with a scene of its own.
-auto OnItsOwn(void (*run)(const Settings&)) {
-  return [run](const Settings& settings, const Relief*) { run(settings); };
-}
-
-const std::vector<Experiment>& Experiments() {
-  static const std::vector<Experiment> experiments = {
-      {"float", OnItsOwn(FloatUpdates), false},
-      {"fig5", OnItsOwn(SensorKinds), false},
-      {"fig7", OnItsOwn(House), false},
-      {"fig2", OnRelief(NccCurves), true},
-      {"fig3", OnRelief(Posteriors), true},
-      {"fig4", OnRelief(Evolution), true},
-      {"em", OnRelief(LocalOptima), true},
-      {"table1", OnRelief(Table1), true},
-  };
-  return experiments;
-}
+constexpr Experiment kExperiments[] = {
+    {"float", [](const Settings& s, Data*) { FloatUpdates(s); }},
+    {"fig2", [](const Settings& s, Data* data) { NccCurves(s, data->relief()); }},
+    {"fig3", [](const Settings& s, Data* data) { Posteriors(s, data->video()); }},
+    {"fig4", [](const Settings& s, Data* data) { Evolution(s, data->video()); }},
+    {"fig5", [](const Settings& s, Data* data) { SensorKinds(s, data->video()); }},
+    {"fig7", [](const Settings& s, Data*) { House(s); }},
+    {"em", [](const Settings& s, Data* data) { LocalOptima(s, data->relief()); }},
+    {"table1", [](const Settings& s, Data* data) { Table1(s, data->relief()); }},
+};
 
 void RunAll(const Settings& settings, const std::vector<std::string>& only) {
-  std::optional<Relief> relief;
-  for (const Experiment& e : Experiments()) {
+  Data data(settings.quick);
+  for (const Experiment& e : kExperiments) {
     if (!only.empty() && std::find(only.begin(), only.end(), e.name) == only.end()) continue;
     const auto started = std::chrono::steady_clock::now();
-    if (e.needs_relief && !relief) relief.emplace(MakeRelief(settings.quick));
-    e.run(settings, relief ? &*relief : nullptr);
+    e.run(settings, &data);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started;
     std::fprintf(stderr, "%s: done in %.0f s\n", e.name, seconds.count());
   }

@@ -11,7 +11,10 @@ namespace livemvs::experiments {
 namespace {
 
 // What makes a pixel worth showing: texture, and a stretch of ray to search. [grey levels]
-constexpr double kContrast = 12;
+constexpr double kContrast = 12, kTempleContrast = 25;
+
+// Views of the ring are 7.6 degrees apart: beyond four on each side a patch looks too different.
+constexpr int kTempleNeighbours = 8;
 
 // Curves that are drawn one by one, from near to far neighbours.
 constexpr int kCurves = 6;
@@ -55,7 +58,7 @@ std::optional<PixelSensor> FindTexture(const PhotoSet& photos, int view) {
     for (int dx = -reach; dx <= reach; dx += 4) {
       auto sensor =
           PlaceSensor(photos, nullptr, view, camera.width / 2 + dx, camera.height / 2 - reach);
-      if (sensor && sensor->ray.Contrast() > kContrast) return sensor;
+      if (sensor && sensor->ray.Contrast() > kTempleContrast) return sensor;
     }
   }
   return std::nullopt;
@@ -74,13 +77,12 @@ void Temple(const Settings& settings) {
     std::fprintf(stderr, "temple ring: no texture in the middle of the picture, left out\n");
     return;
   }
-  const int all = static_cast<int>(photos.views.size());
-  Write(settings, "fig2_temple", photos, *sensor, NearestViews(photos, view, all));
+  Write(settings, "fig2_temple", photos, *sensor, NearestViews(photos, view, kTempleNeighbours));
 }
 
 }  // namespace
 
-void NccCurves(const Settings& settings, const Relief& relief) {
+void NccCurves(const Settings& settings, const PixelSet& relief) {
   Temple(settings);
   const PixelSensor& sensor = relief.Find([](const PixelSensor& s) {
     return s.visible_share > 0.9 && s.ray.Contrast() > kContrast && s.range() > 0.12;

@@ -33,15 +33,13 @@ double Roll(const Rigid3d& a_from_world, const Rigid3d& b_from_world) {
 
 PhotoSet RenderPhotos(const SyntheticScene& scene,
                       const SequenceOptions& sequence,
-                      int first,
-                      int count,
                       const Progress& progress) {
   PhotoSet photos;
   photos.box = scene.box();
-  for (int i = 0; i < count; ++i) {
-    const SyntheticFrame frame = RenderSequenceFrame(scene, sequence, first + i);
+  for (int i = 0; i < sequence.path.frames; ++i) {
+    const SyntheticFrame frame = RenderSequenceFrame(scene, sequence, i);
     Add(&photos, Copy(frame.frame.picture->grey), sequence.camera, frame.frame.cam_from_world);
-    progress(i + 1, count);
+    progress(i + 1, sequence.path.frames);
   }
   return photos;
 }

@@ -23,11 +23,9 @@ struct PhotoSet {
 /// Called with the number of pictures done and of all.
 using Progress = std::function<void(int, int)>;
 
-/// Renders the frames of a sequence whose numbers are first, first + 1, ... first + count - 1.
+/// Renders all frames of a sequence.
 PhotoSet RenderPhotos(const SyntheticScene& scene,
                       const SequenceOptions& sequence,
-                      int first,
-                      int count,
                       const Progress& progress);
 
 /// Reads all pictures of a data set that brings a box along. @throws Error

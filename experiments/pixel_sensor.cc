@@ -50,14 +50,29 @@ std::optional<PixelSensor> PlaceSensor(
 }
 
 void Observe(const PhotoSet& photos, const std::vector<int>& neighbours, PixelSensor* sensor) {
-  sensor->measurements.clear();
+  sensor->maxima.clear();
   for (const int i : neighbours) {
-    const reference::NccCurve curve =
-        reference::TraceNcc(sensor->ray, photos.views[i], sensor->z_min, sensor->z_max);
-    for (const reference::NccMaximum& m : curve.maxima) {
+    sensor->maxima.push_back(
+        reference::TraceNcc(sensor->ray, photos.views[i], sensor->z_min, sensor->z_max).maxima);
+  }
+  Measure(Selection::kHigh, sensor);
+}
+
+void Measure(Selection selection, PixelSensor* sensor) {
+  sensor->measurements.clear();
+  for (const std::vector<reference::NccMaximum>& of_view : sensor->maxima) {
+    double least = selection == Selection::kHigh ? kMinNcc : -1;
+    if (selection == Selection::kLargest) {
+      for (const reference::NccMaximum& m : of_view) least = std::max(least, m.score);
+    }
+    for (const reference::NccMaximum& m : of_view) {
+      if (m.score < least) continue;
       sensor->measurements.push_back({m.depth, m.depth_per_px * m.depth_per_px});
     }
   }
+}
+
+void Shuffle(PixelSensor* sensor) {
   // Fisher and Yates, with numbers that are the same on every platform.
   const auto id = (static_cast<std::uint64_t>(sensor->view) << 32) +
                   (static_cast<std::uint64_t>(sensor->y) << 16) + sensor->x;

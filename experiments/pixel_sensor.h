@@ -13,6 +13,14 @@
 
 namespace livemvs::experiments {
 
+/// Which local maxima are measurements, in which [VH11] leaves a choice.
+enum class Selection {
+  kLargest,  ///< The largest of each view, as in Algorithm 1, step 2b.
+  kHigh,     ///< Those of kMinNcc or more: a maximum of -0.5 says that patches are unlike.
+  kAll
+};
+inline constexpr double kMinNcc = 0.6;
+
 /// The paper's depth sensor, [VH11] Sec. 3: a pixel, and the local maxima x_1 ... x_N of its NCC
 /// curves in neighbouring views.
 struct PixelSensor {
@@ -21,7 +29,9 @@ struct PixelSensor {
   double z_min = 0, z_max = 0;  ///< Stretch of the ray in the box [scene].
   double z_true = 0;            ///< 0: not known.
   double visible_share = 0;     ///< Of the neighbours, those that see the surface; with z_true.
-  std::vector<reference::DepthMeasurement> measurements;  ///< In random order; tau is 1 px.
+  std::vector<std::vector<reference::NccMaximum>> maxima;  ///< Of each neighbour.
+  /// Those that count, in the order of the neighbours; tau is 1 px.
+  std::vector<reference::DepthMeasurement> measurements;
 
   double range() const { return z_max - z_min; }
   /// Density of outliers, Eq. (1).
@@ -33,9 +43,15 @@ struct PixelSensor {
 std::optional<PixelSensor> PlaceSensor(
     const PhotoSet& photos, const SyntheticScene* scene, int view, int x, int y);
 
-/// Collects the local maxima in these views within [z_min, z_max]. Their order is random but the
-/// same for the same pixel: the sequential update must not profit from the order of the views.
+/// Collects the local maxima in these views within [z_min, z_max]; those of kHigh become
+/// measurements.
 void Observe(const PhotoSet& photos, const std::vector<int>& neighbours, PixelSensor* sensor);
+
+/// Makes measurements of the maxima that are selected.
+void Measure(Selection selection, PixelSensor* sensor);
+
+/// Puts the measurements into a random order, the same for the same pixel.
+void Shuffle(PixelSensor* sensor);
 
 /// The share of the neighbours that see the true surface point.
 double VisibleShare(const PhotoSet& photos,

@@ -112,9 +112,9 @@ void WriteStatistics(Csv* csv, double prior, const std::vector<Outcome>& outcome
 
 }  // namespace
 
-void Posteriors(const Settings& settings, const Relief& relief) {
+void Posteriors(const Settings& settings, const PixelSet& video) {
   std::vector<const PixelSensor*> sensors;
-  for (const PixelSensor& s : relief.sensors) {
+  for (const PixelSensor& s : video.sensors) {
     if (s.measurements.size() >= kLast && sensors.size() < 1000) sensors.push_back(&s);
   }
   Csv csv(settings.tables / "fig3_statistics.csv",

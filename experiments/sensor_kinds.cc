@@ -16,9 +16,6 @@ namespace {
 constexpr double kNoise = 2;   // [grey levels]
 constexpr double kPrior = 10;  // [VH11] Sec. 4.2
 
-// The reference frame, and how many follow it: a video, as in the paper's figure.
-constexpr int kReference = 10, kFollowing = 90;
-
 struct Kind {
   const char* name;
   // Of the sensor and of its surface's material.
@@ -87,6 +84,7 @@ std::vector<Judged> JudgeSome(const Kind& kind,
   tbb::parallel_for(std::size_t{0}, judged.size(), [&](std::size_t i) {
     PixelSensor& sensor = judged[i].sensor;
     Observe(photos, neighbours, &sensor);
+    Measure(Selection::kLargest, &sensor);
     const auto count = static_cast<int>(sensor.measurements.size());
     judged[i].q = UpdateInTurn(sensor, PriorOf(sensor, kPrior, kPrior), count);
   });
@@ -98,19 +96,10 @@ std::vector<Judged> JudgeSome(const Kind& kind,
 
 }  // namespace
 
-void SensorKinds(const Settings& settings) {
-  const SyntheticScene scene({.name = "table"});
-  SequenceOptions sequence;
-  sequence.path = DefaultPath("table");
-  if (settings.quick) sequence.camera = SyntheticCamera(160, 120);
-  sequence.noise_sigma = kNoise;
-  sequence.ground_truth = false;
-  const int count = settings.quick ? 20 : kFollowing;
-  const PhotoSet photos =
-      RenderPhotos(scene, sequence, kReference, count + 1, [](int done, int all) {
-        ShowProgress("views of the table", done, all);
-      });
-  std::vector<int> neighbours(count);
+void SensorKinds(const Settings& settings, const PixelSet& video) {
+  const SyntheticScene& scene = video.scene;
+  const PhotoSet& photos = video.photos;
+  std::vector<int> neighbours(photos.views.size() - 1);
   std::iota(neighbours.begin(), neighbours.end(), 1);
   const std::vector<PixelSensor> candidates = Candidates(scene, photos, neighbours);
   Csv states(settings.tables / "fig5_states.csv",

@@ -70,11 +70,15 @@ void DensePosterior::SetPrior(const Posterior<double>& q) {
 }
 
 void DensePosterior::Update(double x, double tau2, double u) {
+  std::vector<double> pi(pi_bins_), bad(pi_bins_);
+  for (int j = 0; j < pi_bins_; ++j) {
+    pi[j] = Pi(j);
+    bad[j] = (1 - Pi(j)) * u;
+  }
   for (int i = 0; i < z_bins_; ++i) {
     const double good = Normal(x, Z(i), tau2);
-    for (int j = 0; j < pi_bins_; ++j) {
-      mass_[static_cast<std::size_t>(i) * pi_bins_ + j] *= Pi(j) * good + (1 - Pi(j)) * u;
-    }
+    double* row = &mass_[static_cast<std::size_t>(i) * pi_bins_];
+    for (int j = 0; j < pi_bins_; ++j) row[j] *= pi[j] * good + bad[j];
   }
   Normalise();
 }
@@ -111,10 +115,17 @@ double DensePosterior::ModeOfZ() const {
 }
 
 void DensePosterior::Normalise() {
+  // A sum for each inlier ratio first: such sums do not wait for each other.
+  std::vector<double> sums(pi_bins_, 0.0);
+  for (int i = 0; i < z_bins_; ++i) {
+    const double* row = &mass_[static_cast<std::size_t>(i) * pi_bins_];
+    for (int j = 0; j < pi_bins_; ++j) sums[j] += row[j];
+  }
   double sum = 0;
-  for (const double m : mass_) sum += m;
+  for (const double s : sums) sum += s;
   if (!(sum > 0)) throw std::invalid_argument("the measurement is impossible on this grid");
-  for (double& m : mass_) m /= sum;
+  const double scale = 1 / sum;
+  for (double& m : mass_) m *= scale;
 }
 
 }  // namespace livemvs::reference

@@ -9,9 +9,8 @@
 
 namespace livemvs::experiments {
 
-/// The carved temple front in 312 views from a hemisphere, in place of Middlebury's fullTemple, and
-/// pixels of it that were drawn at random with their measurements in the 60 nearest views.
-struct Relief {
+/// A scene in pictures, and some of its pixels as depth sensors.
+struct PixelSet {
   SyntheticScene scene;
   PhotoSet photos;
   std::vector<PixelSensor> sensors;
@@ -20,8 +19,15 @@ struct Relief {
   const PixelSensor& Find(const std::function<bool(const PixelSensor&)>& fits) const;
 };
 
+/// The carved temple front in 312 views from a hemisphere, in place of Middlebury's fullTemple.
+/// Pixels are drawn at random from all views and look at the 60 nearest others, nearest first.
 /// @param quick  Few views, small pictures, few pixels.
-Relief MakeRelief(bool quick);
+PixelSet MakeRelief(bool quick);
+
+/// A still life, filmed from a hand that moves through 40 degrees in four seconds. Pixels are drawn
+/// at random from the first frame and look at all others in order; as in Algorithm 1, a frame's
+/// measurement is its largest local maximum.
+PixelSet MakeVideo(bool quick);
 
 /// For tables: scene units are metres.
 inline constexpr double kMillimetres = 1000;
