@@ -174,7 +174,7 @@ def draw_kinds(tables, path):
         axes.axvline(state["true depth [mm]"], color=GREEN, lw=1, ls="--", label="true depth")
         axes.set(title=f"({'abc'[i]}) {kind}: inlier ratio {state['inlier ratio']:.2f}")
     panels[0].set_ylabel("density [1/mm]")
-    panels[0].legend(loc="upper right")
+    panels[0].legend(loc="upper left")
     save(figure, path)
 
 
@@ -182,8 +182,9 @@ def draw_table1(tables, path):
     table = tables.read("table1")
     levels = [50, 80, 85, 90, 95, 100]
     columns = [k for k in table if k != "method"]
-    figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
-    colours = {"dense 500x100": ORANGE, "exact maximum": RED, "parametric": GREEN}
+    figure, axes = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
+    colours = {"dense 500x100": "#f0a860", "exact maximum": RED, "tau 0.5 px": "#d9579b",
+               "tau 0.25 px": "#7c3aed", "parametric": GREEN, "random order": "#8fbf9f"}
     histograms = [m for m in table["method"] if m.startswith("histogram")]
     for i, method in enumerate(table["method"]):
         values = [table[c][i] for c in columns]
@@ -194,7 +195,7 @@ def draw_table1(tables, path):
             colour = next(v for k, v in colours.items() if method.endswith(k))
             axes.plot(levels, values, "o-", color=colour, label=method, lw=1.4, ms=4)
     axes.set(yscale="log", xlabel="share of the pixels [%]", ylabel="their largest error [mm]")
-    axes.legend(fontsize=7.5)
+    axes.legend(fontsize=7, loc="upper left")
     save(figure, path)
 
 

@@ -104,7 +104,7 @@ PixelSet MakeRelief(bool quick) {
   SequenceOptions sequence = Sequence("relief", quick);
   if (quick) sequence.path.frames = 80;
   PixelSet set = Render("relief", sequence);
-  Fill(&set, quick ? 100 : 400, sequence.path.frames, IsStone, Selection::kHigh);
+  Fill(&set, quick ? 100 : 10'000, sequence.path.frames, IsStone, Selection::kLargest);
   return set;
 }
 

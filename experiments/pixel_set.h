@@ -20,13 +20,14 @@ struct PixelSet {
 };
 
 /// The carved temple front in 312 views from a hemisphere, in place of Middlebury's fullTemple.
-/// Pixels are drawn at random from all views and look at the 60 nearest others, nearest first.
+/// Pixels are drawn at random from all views and look at the 60 nearest others, nearest first; a
+/// view's measurement is its largest local maximum.
 /// @param quick  Few views, small pictures, few pixels.
 PixelSet MakeRelief(bool quick);
 
 /// A still life, filmed from a hand that moves through 40 degrees in four seconds. Pixels are drawn
-/// at random from the first frame and look at all others in order; as in Algorithm 1, a frame's
-/// measurement is its largest local maximum.
+/// at random from the first frame and look at all others in order; a frame's measurement is its
+/// largest local maximum, as in Algorithm 1.
 PixelSet MakeVideo(bool quick);
 
 /// For tables: scene units are metres.

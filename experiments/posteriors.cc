@@ -39,6 +39,12 @@ Outcome Judge(const PixelSensor& sensor, double prior) {
   return {std::abs(mode - sensor.z_true) < near, std::abs(q.mu - mode) < near, InlierRatio(q)};
 }
 
+// The dense posterior finds a depth that is not at the picture's edge, among outliers.
+bool IsWorthShowing(const PixelSensor& sensor, const Outcome& outcome) {
+  const double place = (sensor.z_true - sensor.z_min) / sensor.range();
+  return outcome.dense_right && place > 0.15 && place < 0.85 && outcome.inlier_ratio < 0.7;
+}
+
 void WriteMap(const Settings& settings, const std::string& name, const auto& density) {
   Csv csv(settings.maps / (name + ".csv"), "Z [share of range],pi,density");
   for (int i = 0; i < kZBins; ++i) {
@@ -130,9 +136,8 @@ void Posteriors(const Settings& settings, const PixelSet& video) {
     });
     WriteStatistics(&csv, prior, outcomes);
     for (std::size_t i = 0; prior == kUniform && i < sensors.size(); ++i) {
-      if (!outcomes[i].dense_right) continue;
       const PixelSensor*& shown = outcomes[i].follows ? success : failure;
-      if (shown == nullptr) shown = sensors[i];
+      if (shown == nullptr && IsWorthShowing(*sensors[i], outcomes[i])) shown = sensors[i];
     }
   }
   if (success != nullptr) WriteCase(settings, "success", *success);
