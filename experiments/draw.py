@@ -6,6 +6,7 @@ Usage: draw.py FOLDER PICTURES
 Reads FOLDER/tables and FOLDER/maps, writes PICTURES/*.png. A table that is not there is passed over.
 """
 import csv
+import io
 import math
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from PIL import Image  # comes with matplotlib
 
 BLUE, ORANGE, GREEN, RED, GREY = "#1f5fa8", "#d97706", "#2f855a", "#b91c1c", "#777777"
 MIN_NCC = 0.6  # kMinNcc of pixel_sensor.h: maxima below it are no measurements
@@ -60,8 +62,11 @@ def predictive(z, measurements, mu, sigma, inlier_ratio, z_min, z_max):
 
 
 def save(figure, path):
-    figure.savefig(path, metadata={"Software": None})
+    buffer = io.BytesIO()
+    figure.savefig(buffer, metadata={"Software": None})
     plt.close(figure)
+    # A palette keeps the files small, and the repository with them.
+    Image.open(buffer).convert("RGB").quantize(160, dither=0).save(path, optimize=True)
     print(f"drawn: {path}")
 
 
@@ -179,23 +184,32 @@ def draw_kinds(tables, path):
 
 
 def draw_table1(tables, path):
-    table = tables.read("table1")
-    levels = [50, 80, 85, 90, 95, 100]
-    columns = [k for k in table if k != "method"]
-    figure, axes = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
+    figure, panels = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained", sharey=True)
     colours = {"dense 500x100": "#f0a860", "exact maximum": RED, "tau 0.5 px": "#d9579b",
                "tau 0.25 px": "#7c3aed", "parametric": GREEN, "random order": "#8fbf9f"}
-    histograms = [m for m in table["method"] if m.startswith("histogram")]
-    for i, method in enumerate(table["method"]):
-        values = [table[c][i] for c in columns]
-        if method in histograms:
-            shade = 0.35 + 0.5 * histograms.index(method) / len(histograms)
-            axes.plot(levels, values, ".:", color=plt.cm.Blues(shade), label=f"{method} bins", lw=1)
-        else:
-            colour = next(v for k, v in colours.items() if method.endswith(k))
-            axes.plot(levels, values, "o-", color=colour, label=method, lw=1.4, ms=4)
-    axes.set(yscale="log", xlabel="share of the pixels [%]", ylabel="their largest error [mm]")
-    axes.legend(fontsize=7, loc="upper left")
+    titles = {"table1": "(a) the largest maximum of each view",
+              "table1_high": f"(b) all maxima with NCC ≥ {MIN_NCC}"}
+    for axes, (name, title) in zip(panels, titles.items()):
+        table = tables.read(name)
+        levels = [k.split()[0] for k in table if k != "method"]
+        columns = [k for k in table if k != "method"]
+        histograms = [m for m in table["method"] if m.startswith("histogram")]
+        for i, method in enumerate(table["method"]):
+            values = [table[c][i] for c in columns]
+            if method in histograms:
+                shade = 0.3 + 0.7 * histograms.index(method) / len(histograms)
+                axes.plot(levels, values, ".:", color=plt.cm.Blues(shade), label=f"{method} bins")
+            else:
+                colour = next(v for k, v in colours.items() if method.endswith(k))
+                axes.plot(levels, values, "o-", color=colour, lw=1.3, ms=3.5,
+                          label=method.replace("Gauss+Uniform", "G+U").replace(" tau", ", τ ="))
+        axes.set(yscale="log", xlabel="share of the pixels [%]", title=title)
+        ticks = [0.3, 0.5, 1, 2, 5, 10, 20, 50]
+        axes.set_yticks(ticks, [str(t) for t in ticks])
+        axes.minorticks_off()
+        axes.grid(axis="y", color="#eeeeee")
+    panels[0].set_ylabel("their largest error [mm]")
+    panels[0].legend(fontsize=7, loc="upper left")
     save(figure, path)
 
 
@@ -210,10 +224,11 @@ def draw_house(tables, path):
         for axes, column in zip(panels, ("accuracy", "completeness")):
             axes.plot(curve["distance [mm]"], 100 * curve[column], style, color=colour, label=run)
     for axes, title, label in (
-            (panels[0], "(a) accuracy", "within it of the true surface [% of the points]"),
-            (panels[1], "(b) completeness", "within it of a point [% of the surface]")):
+            (panels[0], "(a) accuracy", "points within d of the surface [%]"),
+            (panels[1], "(b) completeness", "surface within d of a point [%]")):
         axes.set(xlabel="distance d [mm]", ylabel=label, title=title, ylim=(0, 100), xlim=(0, 10))
-    panels[0].legend(loc="lower right")
+        axes.grid(color="#eeeeee")
+    panels[1].legend(loc="lower right")
     save(figure, path)
 
 
@@ -231,7 +246,7 @@ def draw_em(tables, path):
         axes.text(100 * b + 0.8, y - 0.2, f"{100 * b:.1f}", va="center", fontsize=8)
     axes.set(yticks=place, xlabel="share of the pixels [%]", xlim=(0, 100))
     axes.set_yticklabels(names)
-    axes.legend(loc="lower right")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1), ncol=2)
     save(figure, path)
 
 
