@@ -97,6 +97,26 @@ void WriteErrors(const std::filesystem::path& path,
   }
 }
 
+// Standard deviation [px] of the good measurements about the truth, from the median of their
+// distances: those within 3 px are taken for good.
+double ScatterInPixels(const std::vector<PixelSensor>& sensors,
+                       Selection selection,
+                       std::size_t pixels) {
+  constexpr double kGood = 3;
+  constexpr double kSigmaOfMedian = 1.4826;  // of a Gaussian
+  std::vector<float> distances;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    PixelSensor sensor = sensors[i];
+    Measure(selection, &sensor);
+    for (const auto& m : sensor.measurements) {
+      const double px = std::abs(m.x - sensor.z_true) / std::sqrt(m.tau2);
+      if (px < kGood) distances.push_back(static_cast<float>(px));
+    }
+  }
+  std::sort(distances.begin(), distances.end());
+  return kSigmaOfMedian * Percentile(distances, 50).value_or(0);
+}
+
 void RunVariant(const Settings& settings,
                 const PixelSet& relief,
                 const MeshSurface& surface,
@@ -120,14 +140,18 @@ void RunVariant(const Settings& settings,
   WriteErrors(settings.tables / (name + ".csv"), &methods, &Method::to_surface);
   WriteErrors(settings.tables / (name + "_along_ray.csv"), &methods, &Method::along_ray);
   Csv csv(settings.tables / (name + "_pixels.csv"),
-          "pixels,views,mean measurements,mean visible share");
+          "pixels,views,mean measurements,mean visible share,scatter of good measurements [px]");
   double sum = 0, visible = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     sum += measurements[i];
     visible += relief.sensors[i].visible_share;
   }
   const auto n = static_cast<double>(pixels);
-  csv.Row(pixels, relief.photos.views.size(), sum / n, visible / n);
+  csv.Row(pixels,
+          relief.photos.views.size(),
+          sum / n,
+          visible / n,
+          ScatterInPixels(relief.sensors, variant.selection, pixels));
 }
 
 }  // namespace
