@@ -6,34 +6,43 @@
 namespace livemvs::reference {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+template <typename T>
+T Normal(T x, T mean, T variance) {
+  constexpr T kTwoPi = T(6.283185307179586);
+  const T d = x - mean;
+  return std::exp(-d * d / (T(2) * variance)) / std::sqrt(kTwoPi * variance);
+}
 
-double Normal(double x, double mean, double variance) {
-  const double d = x - mean;
-  return std::exp(-d * d / (2 * variance)) / std::sqrt(kTwoPi * variance);
+// The Beta with E[pi] = f and E[pi²] = e.
+template <typename T>
+Posterior<T> WithBeta(T mean, T variance, T f, T e) {
+  const T a = (e - f) / (f - e / f);
+  return {mean, variance, a, a * (T(1) - f) / f};
 }
 
 }  // namespace
 
-Posterior<double> FuseTextbook(const Posterior<double>& q, double x, double tau2, double u) {
-  const double a = q.a, b = q.b;
-  const double s2 = 1 / (1 / q.sigma2 + 1 / tau2);
-  const double m = s2 * (q.mu / q.sigma2 + x / tau2);
-  const double c1_raw = a / (a + b) * Normal(x, q.mu, q.sigma2 + tau2);
-  const double c2_raw = b / (a + b) * u;
-  const double c1 = c1_raw / (c1_raw + c2_raw), c2 = c2_raw / (c1_raw + c2_raw);
-  const double f = c1 * (a + 1) / (a + b + 1) + c2 * a / (a + b + 1);
-  const double e = c1 * (a + 1) * (a + 2) / ((a + b + 1) * (a + b + 2)) +
-                   c2 * a * (a + 1) / ((a + b + 1) * (a + b + 2));
-  const double mean = c1 * m + c2 * q.mu;
-  const double variance = c1 * (s2 + m * m) + c2 * (q.sigma2 + q.mu * q.mu) - mean * mean;
-  return MatchMoments({mean, variance, f, e});
+template <typename T>
+Posterior<T> FuseTextbook(const Posterior<T>& q, T x, T tau2, T u) {
+  const T a = q.a, b = q.b, n = a + b, one = T(1), two = T(2);
+  const T s2 = one / (one / q.sigma2 + one / tau2);
+  const T m = s2 * (q.mu / q.sigma2 + x / tau2);
+  const T c1_raw = a / n * Normal(x, q.mu, q.sigma2 + tau2);
+  const T c2_raw = b / n * u;
+  const T c1 = c1_raw / (c1_raw + c2_raw), c2 = c2_raw / (c1_raw + c2_raw);
+  const T f = c1 * (a + one) / (n + one) + c2 * a / (n + one);
+  const T e = c1 * (a + one) * (a + two) / ((n + one) * (n + two)) +
+              c2 * a * (a + one) / ((n + one) * (n + two));
+  const T mean = c1 * m + c2 * q.mu;
+  const T variance = c1 * (s2 + m * m) + c2 * (q.sigma2 + q.mu * q.mu) - mean * mean;
+  return WithBeta(mean, variance, f, e);
 }
 
+template Posterior<float> FuseTextbook(const Posterior<float>&, float, float, float);
+template Posterior<double> FuseTextbook(const Posterior<double>&, double, double, double);
+
 Posterior<double> MatchMoments(const PosteriorMoments& m) {
-  const double f = m.mean_pi, e = m.mean_pi2;
-  const double a = (e - f) / (f - e / f);
-  return {m.mean_z, m.var_z, a, a * (1 - f) / f};
+  return WithBeta(m.mean_z, m.var_z, m.mean_pi, m.mean_pi2);
 }
 
 DensePosterior::DensePosterior(double z_min, double z_max, int z_bins, int pi_bins)
@@ -61,11 +70,15 @@ void DensePosterior::SetPrior(const Posterior<double>& q) {
 }
 
 void DensePosterior::Update(double x, double tau2, double u) {
+  std::vector<double> pi(pi_bins_), bad(pi_bins_);
+  for (int j = 0; j < pi_bins_; ++j) {
+    pi[j] = Pi(j);
+    bad[j] = (1 - Pi(j)) * u;
+  }
   for (int i = 0; i < z_bins_; ++i) {
     const double good = Normal(x, Z(i), tau2);
-    for (int j = 0; j < pi_bins_; ++j) {
-      mass_[static_cast<std::size_t>(i) * pi_bins_ + j] *= Pi(j) * good + (1 - Pi(j)) * u;
-    }
+    double* row = &mass_[static_cast<std::size_t>(i) * pi_bins_];
+    for (int j = 0; j < pi_bins_; ++j) row[j] *= pi[j] * good + bad[j];
   }
   Normalise();
 }
@@ -102,10 +115,17 @@ double DensePosterior::ModeOfZ() const {
 }
 
 void DensePosterior::Normalise() {
+  // A sum for each inlier ratio first: such sums do not wait for each other.
+  std::vector<double> sums(pi_bins_, 0.0);
+  for (int i = 0; i < z_bins_; ++i) {
+    const double* row = &mass_[static_cast<std::size_t>(i) * pi_bins_];
+    for (int j = 0; j < pi_bins_; ++j) sums[j] += row[j];
+  }
   double sum = 0;
-  for (const double m : mass_) sum += m;
+  for (const double s : sums) sum += s;
   if (!(sum > 0)) throw std::invalid_argument("the measurement is impossible on this grid");
-  for (double& m : mass_) m /= sum;
+  const double scale = 1 / sum;
+  for (double& m : mass_) m *= scale;
 }
 
 }  // namespace livemvs::reference

@@ -9,8 +9,9 @@ namespace livemvs::reference {
 
 /// [VH11] Eq. (4) with its moments as the supplement and all public implementations write them:
 /// E[Z²] − E[Z]² for the variance, e = E[π²] and f = E[π] for the Beta. Both cancel; core's Fuse()
-/// does not.
-Posterior<double> FuseTextbook(const Posterior<double>& q, double x, double tau2, double u);
+/// does not. Made for float and double: in float it shows why not.
+template <typename T>
+Posterior<T> FuseTextbook(const Posterior<T>& q, T x, T tau2, T u);
 
 /// First two moments of a posterior over (Z, pi).
 struct PosteriorMoments {

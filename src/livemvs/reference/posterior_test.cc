@@ -139,6 +139,43 @@ TEST_F(FuseOracleTest, FloatMatchesDouble) {
   EXPECT_LT(sum / kCases, kTypical);
 }
 
+TEST_F(FuseOracleTest, TextbookInFloatAgreesFarFromConvergence) {
+  // Wide states lose few digits: a float's 6e-8 times 1 / sigma² of at most 400, and a few
+  // roundings.
+  constexpr double kTolerance = 3e-4;
+  for (int n = 0; n < 2000; ++n) {
+    const Case c = Next();
+    if (c.q.sigma2 < 0.05 * 0.05 || c.tau2 < 0.05 * 0.05 || c.q.a > 20 || c.q.b > 20) continue;
+    const Posterior<float> q = {static_cast<float>(c.q.mu),
+                                static_cast<float>(c.q.sigma2),
+                                static_cast<float>(c.q.a),
+                                static_cast<float>(c.q.b)};
+    const auto x = static_cast<float>(c.x), tau2 = static_cast<float>(c.tau2);
+    const auto u = static_cast<float>(c.u);
+    const Posterior<float> textbook = FuseTextbook(q, x, tau2, u);
+    const Posterior<double> expected =
+        Fuse<double>({q.mu, q.sigma2, q.a, q.b}, x, tau2, u).posterior;
+    ASSERT_NEAR(textbook.mu, expected.mu, kTolerance) << n;
+    ASSERT_NEAR(textbook.sigma2, expected.sigma2, 10 * kTolerance * expected.sigma2) << n;
+    ASSERT_NEAR(textbook.a, expected.a, 10 * kTolerance * expected.a) << n;
+  }
+}
+
+TEST_F(FuseOracleTest, TextbookInFloatLosesTheVarianceNearConvergence) {
+  // sigma = 1e-4 at mu of 1: E[Z²] - E[Z]² is less than a float's last digit. Half of the results
+  // are not even positive; the closed form's all are.
+  int not_positive = 0;
+  constexpr int kCases = 2000;
+  std::uniform_real_distribution<float> offset(-1, 1);
+  for (int n = 0; n < kCases; ++n) {
+    const Posterior<float> q = {1 + 0.3F * offset(random_), 1e-8F, 20, 10};
+    const float x = q.mu + 1e-4F * offset(random_), tau2 = 1e-6F;
+    if (!(FuseTextbook(q, x, tau2, 1.0F).sigma2 > 0)) ++not_positive;
+    ASSERT_GT(Fuse(q, x, tau2, 1.0F).posterior.sigma2, 0) << n;
+  }
+  EXPECT_GT(not_positive, kCases / 4);
+}
+
 TEST_F(FuseOracleTest, ManyMeasurementsFollowTheHistogram) {
   // [VH11] Fig. 3, rows 1 and 2: the approximation converges to the same estimate.
   constexpr double kDepth = 0.42, kTau = 0.02;
