@@ -303,7 +303,9 @@ void Run(const RunArguments& args) {
 
   PointCloud cloud = reconstructor.TakePoints();
   RemoveSuperseded(&cloud);
-  if (!std::getenv("NOREG")) Regularise({}, &cloud);
+  if (options.regularise_px > 0) {
+    Regularise({.radius_px = options.regularise_px, .min_support = options.min_support}, &cloud);
+  }
   if (cloud.empty()) ExplainEmptyCloud(reconstructor.statistics());
   WriteCloud(args, &cloud);
   const nlohmann::json statistics = StatisticsJson(args,

@@ -19,7 +19,7 @@ struct SeedGroup {
   std::size_t end;
   int level;                 ///< Of the pyramid: the image that the seeds meet.
   RelativeView<float> view;  ///< Both cameras at that level.
-  float pixel_width;         ///< 1 / f of the reference camera at level 0.
+  float pixel_width;         ///< 1 / f of the reference camera at that level.
 };
 
 /// What one update of all seeds did, by the status of the match and the fate that followed.

@@ -118,6 +118,10 @@ void Options::Check() const {
           "min_patch_stddev",
           min_patch_stddev,
           "0 ... 128");
+  Require(min_coarse_stddev >= 0 && min_coarse_stddev <= 128,
+          "min_coarse_stddev",
+          min_coarse_stddev,
+          "0 ... 128");
   Require(prior_a > 0 && prior_a < 1e4F, "prior_a", prior_a, "in (0, 10000)");
   Require(prior_b > 0 && prior_b < 1e4F, "prior_b", prior_b, "in (0, 10000)");
   Require(search_radius_px >= 1 && search_radius_px <= 1000,
@@ -136,6 +140,7 @@ void Options::Check() const {
   Require(warp_scale >= 1 || warp_scale == 0, "warp_scale", warp_scale, "1 or more, or 0");
   Require(measurement_sigma_px > 0, "measurement_sigma_px", measurement_sigma_px, "positive");
   Require(match_bias_px >= 0, "match_bias_px", match_bias_px, "0 or more");
+  Require(epipolar_error_px >= 0, "epipolar_error_px", epipolar_error_px, "0 or more");
   Require(image_noise >= 0, "image_noise", image_noise, "0 or more");
   Require(max_measurement_sigma_px >= measurement_sigma_px,
           "max_measurement_sigma_px",
@@ -155,6 +160,8 @@ void Options::Check() const {
   Require(min_views >= 0 && min_views <= 255, "min_views", min_views, "0 ... 255");
   Require(max_age >= 0 && max_age < 65535, "max_age", max_age, "0 ... 65534");
   Require(max_unseen >= 0 && max_unseen < 255, "max_unseen", max_unseen, "0 ... 254");
+  Require(regularise_px >= 0 && regularise_px <= 100, "regularise_px", regularise_px, "0 ... 100");
+  Require(min_support >= 0 && min_support <= 16, "min_support", min_support, "0 ... 16");
   Require(threads >= 0 && threads <= 1024, "threads", threads, "0 ... 1024");
 }
 
@@ -176,6 +183,7 @@ Options PaperOptions() {
   o.measurement_sigma_px = 1;
   o.image_noise = 0;
   o.match_bias_px = 0;
+  o.epipolar_error_px = 0;
   o.outlier_density = OutlierDensity::kRange;
   o.eta_outlier = 0.05F;
   o.outlier_certainty = 0.99F;
@@ -185,6 +193,8 @@ Options PaperOptions() {
   o.min_views = 0;
   o.max_age = 0;
   o.max_unseen = 0;
+  o.regularise_px = 0;
+  o.min_support = 0;
   return o;
 }
 

@@ -41,10 +41,10 @@ struct Options {
   int cover_radius_px = 1;
   /// Points seen from directions further apart than this do not cover each other [degrees].
   float cover_angle_deg = 50;
-  /// Least standard deviation of a patch's grey levels to be worth a seed.
-  float min_patch_stddev = 5;
-  float coarse_stddev = 2;
-  float level_gamma = 1;
+  /// Least standard deviation of a patch's grey levels to be worth a seed, ...
+  float min_patch_stddev = 10;
+  /// ... and on the coarser levels, where averaging leaves less noise.
+  float min_coarse_stddev = 2;
 
   // --- The prior, [VH11] Sec. 4.2
   // ---------------------------------------------------------------------
@@ -62,7 +62,7 @@ struct Options {
   /// ... but not beyond this radius [px].
   float search_radius_max_px = 16;
   /// Least NCC score of a match; -1 accepts any local maximum, as published.
-  float min_ncc = 0.6F;
+  float min_ncc = 0.5F;
   /// A second local maximum scoring within this of the best makes the frame tell nothing; 0: never.
   float ambiguity_ncc = 0.05F;
   /// Posterior's extent [-2 sigma, 2 sigma] projected [px] below which a frame can tell nothing.
@@ -84,7 +84,10 @@ struct Options {
   /// edge or the poses drift [px]. It does not average out, but shrinks as the baseline grows: the
   /// posterior's variance at conversion is enlarged by it. 0: none, as published.
   float match_bias_px = 0.15F;
-  float epipolar_error_px = 0;
+  /// Error across the line [px], for the same reasons. Where the patch's edges cross the line at a
+  /// slant, it shifts the match along it; it adds to tau and to the error that matches share. 0:
+  /// none, as published.
+  float epipolar_error_px = 0.2F;
   OutlierDensity outlier_density = OutlierDensity::kWindow;
 
   // --- The end of a seed, [VH11] Sec. 4.3
@@ -94,15 +97,23 @@ struct Options {
   float eta_inlier = 0.65F;        ///< Converted when the mean inlier ratio exceeds this, and ...
   /// ... epsilon: the standard deviation of depth is below this fraction of Z_max - Z_min, or ...
   float epsilon_range = 0;
-  /// ... below this many pixels' width at that depth (Z / f). At least one of the two must be
-  /// positive.
+  /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
+  /// level. At least one of the two must be positive.
   float epsilon_px = 1;
   /// Fewest measurements that agreed.
   int min_views = 8;
   /// Frames that told something, after which a seed that has not converged is given up; 0: never.
-  int max_age = 150;
+  int max_age = 60;
   /// Consecutive frames out of view after which a seed is given up; 0: never.
   int max_unseen = 15;
+
+  // --- The cloud, when all frames are in; [VH11] leaves it as it is
+  // ---------------------------------
+  /// Radius within which points are drawn to the plane of their neighbours [px of their level]; 0:
+  /// not.
+  float regularise_px = 5;
+  /// Fewest points on a plane, itself included, for a point to stay; 0: all stay.
+  int min_support = 4;
 
   /// Worker threads; 0: all cores. Results do not depend on it.
   int threads = 0;
@@ -121,8 +132,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("cover_radius_px", o.cover_radius_px);
   visit("cover_angle_deg", o.cover_angle_deg);
   visit("min_patch_stddev", o.min_patch_stddev);
-  visit("level_gamma", o.level_gamma);
-  visit("coarse_stddev", o.coarse_stddev);
+  visit("min_coarse_stddev", o.min_coarse_stddev);
   visit("prior_a", o.prior_a);
   visit("prior_b", o.prior_b);
   visit("coordinate", o.coordinate);
@@ -149,6 +159,8 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("min_views", o.min_views);
   visit("max_age", o.max_age);
   visit("max_unseen", o.max_unseen);
+  visit("regularise_px", o.regularise_px);
+  visit("min_support", o.min_support);
   visit("threads", o.threads);
 }
 

@@ -15,8 +15,8 @@ void Halve(const ImageView<std::uint8_t>& from, Image<std::uint8_t>* to) {
       const std::uint8_t* b = from.Row(2 * y + 1);
       std::uint8_t* out = to->Row(y);
       for (int x = 0; x < to->width(); ++x) {
-        out[x] = static_cast<std::uint8_t>(
-            (a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1] + 2) / 4);
+        out[x] =
+            static_cast<std::uint8_t>((a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1] + 2) / 4);
       }
     }
   });

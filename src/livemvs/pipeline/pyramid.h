@@ -8,8 +8,8 @@
 
 namespace livemvs {
 
-/// A picture and its halves: level 0 is the picture itself, and a pixel of level l + 1 is the mean of
-/// four of level l (AtLevel() is its camera). Buffers are kept between pictures. Move-only.
+/// A picture and its halves: level 0 is the picture itself, and a pixel of level l + 1 is the mean
+/// of four of level l (AtLevel() is its camera). Buffers are kept between pictures. Move-only.
 class Pyramid {
  public:
   /// Points to `grey`, which must outlive the use, and fills `levels` - 1 further levels; levels of

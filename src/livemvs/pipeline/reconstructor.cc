@@ -83,7 +83,6 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   for (const ReferenceFrame& reference : pool_.references()) {
     const auto level = static_cast<std::size_t>(reference.level);
     if (level >= cameras.size()) continue;  // a smaller picture than the one they were born in
-    const double focal = reference.camera.FocalLength();
     groups_.push_back({reference.begin,
                        reference.end,
                        reference.level,
@@ -92,7 +91,7 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
                                         cameras[level],
                                         params[level],
                                         frame.cam_from_world),
-                       static_cast<float>(1 / focal * std::pow(2, -reference.level * options_.level_gamma))});
+                       static_cast<float>(1 / reference.camera.FocalLength())});
   }
   statistics_.updates +=
       backend_->Update(pool_.columns(), groups_, frame.camera.model, pyramid_.levels());

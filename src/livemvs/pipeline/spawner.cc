@@ -53,9 +53,10 @@ void SumColumns(const ImageView<std::uint8_t>& grey, int y, ColumnSums* columns)
 
 // The part of the picture, less a border, onto which the scene's box projects; all of it where
 // there is no box or the camera is too near for its corners to tell.
-PixelRect RectOfRange(const Camera& camera, const Rigid3d& cam_from_world, const SceneRange& range) {
-  const PixelRect all = {
-      kBorder, kBorder, camera.width - kBorder, camera.height - kBorder};
+PixelRect RectOfRange(const Camera& camera,
+                      const Rigid3d& cam_from_world,
+                      const SceneRange& range) {
+  const PixelRect all = {kBorder, kBorder, camera.width - kBorder, camera.height - kBorder};
   if (!range.box) return all;
   const Projector projector(camera);
   Eigen::AlignedBox2d bounds;
@@ -68,8 +69,7 @@ PixelRect RectOfRange(const Camera& camera, const Rigid3d& cam_from_world, const
     bounds.extend(*pixel);
   }
   // A lens bends the box's edges outwards between the corners.
-  const double margin =
-      camera.model == CameraModel::kPinhole ? 1 : 0.1 * bounds.diagonal().norm();
+  const double margin = camera.model == CameraModel::kPinhole ? 1 : 0.1 * bounds.diagonal().norm();
   const auto clamped = [&](double v, int low, int high) {
     return static_cast<int>(std::clamp(v, static_cast<double>(low), static_cast<double>(high)));
   };
@@ -145,7 +145,8 @@ void Spawner::CoverBySeeds(const View& view, const SeedPool& pool, Maps* maps) c
                                                           s.bearing_x[i],
                                                           s.bearing_y[i],
                                                           s.mu[i]);
-              if (p.visible && p.x >= 0 && p.y >= 0 && p.x < relative.width && p.y < relative.height) {
+              if (p.visible && p.x >= 0 && p.y >= 0 && p.x < relative.width &&
+                  p.y < relative.height) {
                 Stamp(p.x, p.y, &maps->covered);
               }
             }
@@ -187,38 +188,43 @@ void Spawner::CoverByPoints(const View& view, const PointCloud& points, Maps* ma
 void Spawner::FindCandidates(const View& view, Maps* maps) const {
   const ImageView<std::uint8_t>& grey = view.grey;
   const PixelRect rect = RectOfRange(view.camera, view.cam_from_world, range_);
-  const float stddev = view.level > 0 ? options_.coarse_stddev : options_.min_patch_stddev;
+  const float stddev = view.level > 0 ? options_.min_coarse_stddev : options_.min_patch_stddev;
   constexpr float kPixels = kPatchPixels;
   // n² var = n Σv² - (Σv)², in integers.
   const auto least = static_cast<std::int32_t>(stddev * stddev * kPixels * kPixels);
-  ParallelForRange(
-      kBorder,
-      std::max(kBorder, grey.height - kBorder),
-      32,
-      [&](std::size_t first_row, std::size_t last_row) {
-        ColumnSums columns{std::vector<std::int32_t>(grey.width),
-                           std::vector<std::int32_t>(grey.width)};
-        for (int y = static_cast<int>(first_row); y < static_cast<int>(last_row); ++y) {
-          std::memset(maps->candidate.Row(y), 0, grey.width);
-          if (y < rect.y0 || y >= rect.y1 || y % options_.seed_spacing_px != 0) continue;
-          SumColumns(grey, y, &columns);
-          for (int x = rect.x0; x < rect.x1; ++x) {
-            if (x % options_.seed_spacing_px != 0 || maps->covered(x, y)) continue;
-            std::int32_t sum = 0, squares = 0;
-            for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
-              sum += columns.sum[x + dx];
-              squares += columns.squares[x + dx];
-            }
-            if (kPatchPixels * squares - sum * sum < least) continue;
-            const int cell_x = x / options_.seed_spacing_px % 4,
-                      cell_y = y / options_.seed_spacing_px % 4;
-            maps->candidate(x, y) = static_cast<std::uint8_t>(1 + kPhaseOfCell[4 * cell_y + cell_x]);
-          }
-        }
-      });
+  ParallelForRange(kBorder,
+                   std::max(kBorder, grey.height - kBorder),
+                   32,
+                   [&](std::size_t first_row, std::size_t last_row) {
+                     ColumnSums columns{std::vector<std::int32_t>(grey.width),
+                                        std::vector<std::int32_t>(grey.width)};
+                     for (int y = static_cast<int>(first_row); y < static_cast<int>(last_row);
+                          ++y) {
+                       std::memset(maps->candidate.Row(y), 0, grey.width);
+                       if (y < rect.y0 || y >= rect.y1 || y % options_.seed_spacing_px != 0)
+                         continue;
+                       SumColumns(grey, y, &columns);
+                       for (int x = rect.x0; x < rect.x1; ++x) {
+                         if (x % options_.seed_spacing_px != 0 || maps->covered(x, y)) continue;
+                         std::int32_t sum = 0, squares = 0;
+                         for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
+                           sum += columns.sum[x + dx];
+                           squares += columns.squares[x + dx];
+                         }
+                         if (kPatchPixels * squares - sum * sum < least) continue;
+                         const int cell_x = x / options_.seed_spacing_px % 4,
+                                   cell_y = y / options_.seed_spacing_px % 4;
+                         maps->candidate(x, y) =
+                             static_cast<std::uint8_t>(1 + kPhaseOfCell[4 * cell_y + cell_x]);
+                       }
+                     }
+                   });
 }
 
-std::int64_t Spawner::Plant(const View& view, const Maps& maps, std::size_t slots, SeedPool* pool) const {
+std::int64_t Spawner::Plant(const View& view,
+                            const Maps& maps,
+                            std::size_t slots,
+                            SeedPool* pool) const {
   const int width = view.grey.width, height = view.grey.height;
   std::array<std::size_t, kPhases> count{};
   for (int y = kBorder; y < height - kBorder; ++y) {

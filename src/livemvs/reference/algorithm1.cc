@@ -25,8 +25,8 @@ std::pair<double, double> DepthAndSigma(const Options& options, const Seed& seed
 }
 
 // With the error that all matches of a seed share (docs/algorithm.md).
-double TotalVariance(const Options& options, const Seed& seed, const Match& match) {
-  return seed.posterior.sigma2 + std::pow(options.match_bias_px * match.step, 2);
+double TotalVariance(const Seed& seed, const Match& match) {
+  return seed.posterior.sigma2 + match.bias2_px * match.step * match.step;
 }
 
 // [VH11] Sec. 4.3, with our further criteria (docs/algorithm.md).
@@ -40,7 +40,7 @@ Fate JudgeSeed(const Options& options, const Seed& seed, const Match& match) {
   if (match.status == MatchStatus::kMatched && InlierRatio(q) > options.eta_inlier &&
       seed.counts.views >= options.min_views) {
     Seed widened = seed;
-    widened.posterior.sigma2 = TotalVariance(options, seed, match);
+    widened.posterior.sigma2 = TotalVariance(seed, match);
     const auto [depth, sigma] = DepthAndSigma(options, widened);
     const double range = std::abs(DepthAt(options, seed, 1) - DepthAt(options, seed, 0));
     const double pixel = depth / std::sqrt(std::abs(seed.camera.fx * seed.camera.fy));
@@ -86,7 +86,7 @@ Match UpdateSeed(const Options& options, const Meeting& current, Seed* seed) {
   }
   seed->fate = JudgeSeed(options, *seed, match);
   if (seed->fate == Fate::kConverged) {
-    seed->posterior.sigma2 = TotalVariance(options, *seed, match);
+    seed->posterior.sigma2 = TotalVariance(*seed, match);
   }
   return match;
 }

@@ -130,9 +130,15 @@ double Ncc(const Seed& seed, const Meeting& current, const Grid& grid, const Vec
   return wp / std::sqrt(std::max(ww, 1.0) * pp);  // no contrast, no match
 }
 
-// Variance of a match [px²]: the matcher's own, and the image noise's share (docs/algorithm.md).
-double MeasurementVariance(const Options& options, const Seed& seed, const Vector2d& direction) {
-  double sum = 0;
+// Variances in pixels, docs/algorithm.md.
+struct Variances {
+  double match;   // of one match: the matcher's own, the image noise's share, and the slip's
+  double shared;  // of the error that all matches share: the bias, and the slip's
+};
+
+Variances VariancesOf(const Options& options, const Seed& seed, const Vector2d& direction) {
+  const Vector2d across(-direction.y(), direction.x());
+  double sum = 0, mixed = 0;
   for (int r = 1; r < kPatchSize - 1; ++r) {
     for (int c = 1; c < kPatchSize - 1; ++c) {
       const auto at = [&](int y, int x) {
@@ -140,12 +146,17 @@ double MeasurementVariance(const Options& options, const Seed& seed, const Vecto
       };
       const Vector2d gradient((at(r, c + 1) - at(r, c - 1)) / 2, (at(r + 1, c) - at(r - 1, c)) / 2);
       sum += std::pow(gradient.dot(direction), 2);
+      mixed += gradient.dot(direction) * gradient.dot(across);
     }
   }
   const double inner = (kPatchSize - 2) * (kPatchSize - 2);
   const double own = std::pow(static_cast<double>(options.measurement_sigma_px), 2);
   const double noise2 = std::pow(static_cast<double>(options.image_noise), 2);
-  return own + (noise2 > 0 ? 2 * noise2 / (sum * kPatchPixels / inner + 1e-6) : 0);
+  const double scale = kPatchPixels / inner;
+  // An error across the line moves an edge that crosses it at a slant along it.
+  const double slip = std::pow(options.epipolar_error_px * mixed * scale / (sum * scale + 1e-6), 2);
+  const double noise = noise2 > 0 ? 2 * noise2 / (sum * scale + 1e-6) : 0;
+  return {own + noise + slip, std::pow(options.match_bias_px, 2) + slip};
 }
 
 // Whole-pixel samples [first, last] that the window, the interval and the picture allow.
@@ -206,8 +217,9 @@ Match FindMatch(const Options& options, const Seed& seed, const Meeting& current
   const Grid grid = GridOf(options, seed, current);
   const Vector2d in_patch(grid.right.normalized().dot(line.direction()),
                           grid.down.normalized().dot(line.direction()));
-  const double tau2_px = MeasurementVariance(options, seed, in_patch);
-  if (std::sqrt(tau2_px) > options.max_measurement_sigma_px) return {MatchStatus::kNoInformation};
+  const Variances variances = VariancesOf(options, seed, in_patch);
+  if (std::sqrt(variances.match) > options.max_measurement_sigma_px)
+    return {MatchStatus::kNoInformation};
   const double radius =
       std::min(std::max<double>(options.search_sigmas * sigma_px, options.search_radius_px),
                static_cast<double>(options.search_radius_max_px));
@@ -229,13 +241,14 @@ Match FindMatch(const Options& options, const Seed& seed, const Meeting& current
   if (options.ambiguity_ncc > 0 && peaks.second > peaks.best - options.ambiguity_ncc) {
     return {MatchStatus::kNoInformation};
   }
-  Match match{MatchStatus::kMatched, peaks.best, peaks.offset, 0, 0, 1, 1 / line.rate()};
+  Match match{
+      MatchStatus::kMatched, peaks.best, peaks.offset, 0, 0, 1, 1 / line.rate(), variances.shared};
   // The parabola through three samples half a pixel apart.
   const double low = score_at(peaks.offset - 0.5), high = score_at(peaks.offset + 0.5);
   const double curvature = low - 2 * peaks.best + high;
   if (curvature < 0) match.offset += std::clamp((low - high) / (4 * curvature), -0.5, 0.5);
   match.mu = line.MuAt(match.offset);
-  match.tau2 = tau2_px / (line.rate() * line.rate());
+  match.tau2 = variances.match / (line.rate() * line.rate());
   if (options.outlier_density == OutlierDensity::kWindow) {
     match.u = 1 / std::clamp(line.MuAt(last - 0.5) - line.MuAt(first + 0.5), 1e-6, 1.0);
   }

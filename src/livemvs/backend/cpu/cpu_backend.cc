@@ -60,8 +60,13 @@ class CpuBackend final : public Backend {
                           std::span<const ImageView<std::uint8_t>> pyramid) override {
     tasks_.clear();
     for (const SeedGroup& group : groups) {
-      const UpdateJob job = {
-          &options_, &is_outlier_, seeds, &group, model, pyramid[static_cast<std::size_t>(group.level)], NeedsWarp(seeds, group)};
+      const UpdateJob job = {&options_,
+                             &is_outlier_,
+                             seeds,
+                             &group,
+                             model,
+                             pyramid[static_cast<std::size_t>(group.level)],
+                             NeedsWarp(seeds, group)};
       for (std::size_t begin = group.begin; begin < group.end; begin += kSeedsPerTask) {
         tasks_.push_back({job, begin, std::min(begin + kSeedsPerTask, group.end)});
       }

@@ -86,8 +86,8 @@ MatchStatus Prepare(const UpdateJob& job, std::size_t i, LineSearch* search) {
   }
   // The line's direction in the reference patch.
   const float c = job.warp ? view.roll_cos : 1, r = job.warp ? view.roll_sin : 0;
-  const Texture texture = TextureAlong(
-      s.patch + i * kPatchPixels, c * p.dx + r * p.dy, c * p.dy - r * p.dx);
+  const Texture texture =
+      TextureAlong(s.patch + i * kPatchPixels, c * p.dx + r * p.dy, c * p.dy - r * p.dx);
   const float slip = options.epipolar_error_px * texture.along_across / (texture.along2 + 1e-6F);
   search->tau2_px = MeasurementSigma2(options, texture.along2) + slip * slip;
   search->bias2_px = options.match_bias_px * options.match_bias_px + slip * slip;
@@ -133,9 +133,9 @@ MatchStatus Conclude(const UpdateJob& job,
 
 /// [VH11] Algorithm 1, step 2c, and the judgement of steps 3 and 4.
 void Finish(const UpdateJob& job,
-          const LineSearch& search,
-          MatchStatus status,
-          const Measurement& measurement) {
+            const LineSearch& search,
+            MatchStatus status,
+            const Measurement& measurement) {
   const SeedColumns& s = job.seeds;
   const std::size_t i = search.seed;
   SeedCounts counts = s.counts[i];
@@ -146,8 +146,7 @@ void Finish(const UpdateJob& job,
     q = {measurement.x, kBirthSigmas * kBirthSigmas * measurement.tau2, q.a + 1, q.b};
     counts.views = 1;
   } else if (status == MatchStatus::kMatched) {
-    const Fused<float> fused =
-        Fuse(q, measurement.x, measurement.tau2, measurement.u);
+    const Fused<float> fused = Fuse(q, measurement.x, measurement.tau2, measurement.u);
     q = fused.posterior;
     if (fused.inlier_weight > 0.5F && counts.views < 255) ++counts.views;
   } else if (status == MatchStatus::kMismatch) {
@@ -179,7 +178,10 @@ void Finish(const UpdateJob& job,
 }
 
 /// Fills the lanes of a batch from `count` searches; the rest repeat the last.
-void FillBatch(const UpdateJob& job, const LineSearch* const* searches, int count, SearchBatch* batch) {
+void FillBatch(const UpdateJob& job,
+               const LineSearch* const* searches,
+               int count,
+               SearchBatch* batch) {
   const RelativeView<float>& view = job.group->view;
   for (int l = 0; l < kLanes; ++l) {
     const LineSearch& search = *searches[std::min(l, count - 1)];
