@@ -99,6 +99,7 @@ std::vector<Rigid3d> SidewaysPath(int frames, double step) {
 Options TestOptions() {
   Options o;
   o.max_seeds = 4000;
+  o.levels = 1;
   o.seed_spacing_px = 2;
   o.cover_radius_px = 1;
   o.cover_angle_deg = 50;
@@ -111,6 +112,7 @@ Options TestOptions() {
   o.search_sigmas = 2.5F;
   o.search_radius_max_px = 8;
   o.min_ncc = 0.5F;
+  o.epipolar_error_px = 0.2F;
   o.ambiguity_ncc = 0.05F;
   o.min_parallax_px = 1;
   o.warp_roll_deg = 0;

@@ -96,8 +96,9 @@ std::vector<reference::Seed> Plant(const Options& options, const PosedFrame& fra
 SeedGroup GroupOf(const PosedFrame& ref, const PosedFrame& cur, std::size_t seeds) {
   return {0,
           seeds,
+          0,
           MakeRelativeView<float>(ref.camera, ref.cam_from_world, cur.camera, cur.cam_from_world),
-          static_cast<float>(1 / std::sqrt(std::abs(ref.camera.fx * ref.camera.fy)))};
+          static_cast<float>(1 / ref.camera.FocalLength())};
 }
 
 UpdateStatistics RunKernel(const NamedKernel& kernel,
@@ -355,10 +356,11 @@ TEST(CpuBackendTest, CountsEveryLiveSeedOnceWhateverTheThreads) {
     columns.fate[7] = Fate::kRemoved;
     std::vector<SeedGroup> groups(2, GroupOf(frames[0], frames[1], seeds.size()));
     groups[0].end = groups[1].begin = seeds.size() / 3;
+    const ImageView<std::uint8_t> pyramid[] = {frames[1].picture->grey.view()};
     UpdateStatistics statistics;
     tbb::task_arena(threads).execute([&] {
-      statistics = MakeCpuBackend(options)->Update(
-          columns.View(), groups, CameraModel::kPinhole, frames[1].picture->grey.view());
+      statistics =
+          MakeCpuBackend(options)->Update(columns.View(), groups, CameraModel::kPinhole, pyramid);
     });
     EXPECT_EQ(statistics.total(), static_cast<std::int64_t>(seeds.size()) - 1);
     if (threads == 1) {

@@ -17,6 +17,7 @@ struct SeedRecord {
   std::uint16_t views = 0;     ///< Frames whose measurement agreed.
   float depth = 0;             ///< Along the unit bearing [scene]; 0: the posterior has none.
   float sigma = 0;             ///< Its standard deviation [scene]; 0 where the depth is.
+  std::uint8_t level = 0;      ///< Of the pyramid it lived on; x and y are of level 0.
 };
 
 }  // namespace livemvs

@@ -75,16 +75,16 @@ TEST_F(JudgeTest, DoesNotDependOnTheUnit) {
 }
 
 TEST_F(JudgeTest, SharedErrorOfTheMatchesDelaysConversion) {
-  options_.match_bias_px = 0.2F;
   const OutlierRule rule(options_.eta_outlier, options_.outlier_certainty);
   const Posterior<float> q = {0.5F, 0.006F * 0.006F, 20, 10};
   const auto judged = [&](float total) {
     return Judge(options_, rule, interval_, q, kSeen, total, 1e-3F);
   };
+  constexpr float kBias2 = 0.2F * 0.2F;  // [px²]
   // The threshold is 0.01; a pixel is worth 0.05 of mu at a short baseline, 0.02 at a longer one.
-  EXPECT_FLOAT_EQ(TotalVariance(options_, q.sigma2, 0.05F), 0.006F * 0.006F + 0.01F * 0.01F);
-  EXPECT_EQ(judged(TotalVariance(options_, q.sigma2, 0.05F)), Fate::kAlive);
-  EXPECT_EQ(judged(TotalVariance(options_, q.sigma2, 0.02F)), Fate::kConverged);
+  EXPECT_FLOAT_EQ(TotalVariance(q.sigma2, kBias2, 0.05F), 0.006F * 0.006F + 0.01F * 0.01F);
+  EXPECT_EQ(judged(TotalVariance(q.sigma2, kBias2, 0.05F)), Fate::kAlive);
+  EXPECT_EQ(judged(TotalVariance(q.sigma2, kBias2, 0.02F)), Fate::kConverged);
   EXPECT_EQ(judged(-1), Fate::kAlive) << "a frame without a match converts nothing";
 }
 

@@ -74,8 +74,10 @@ Verdict Judge(const SeedRecord& seed,
   const double z_depth = seed.depth / ray->norm();
   Verdict verdict{RelativeError(z_depth, pixel, place, surface)};
   if (verdict.error <= tolerance) return verdict;
-  for (int dy = -kPatchRadius; dy <= kPatchRadius && !verdict.beside; ++dy) {
-    for (int dx = -kPatchRadius; dx <= kPatchRadius && !verdict.beside; ++dx) {
+  const int reach = kPatchRadius << seed.level;
+  const int step = 1 << seed.level;
+  for (int dy = -reach; dy <= reach && !verdict.beside; dy += step) {
+    for (int dx = -reach; dx <= reach && !verdict.beside; dx += step) {
       const Eigen::Vector2d neighbour = pixel + Eigen::Vector2d(dx, dy);
       verdict.beside = RelativeError(z_depth, neighbour, place, surface) <= tolerance;
     }

@@ -18,6 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "seed traces are little-endian");
 
 constexpr std::uint32_t kVersion = 1;
+constexpr int kLevels = 6;  // more than Options::levels allows is damage
 constexpr std::size_t kMagicSize = sizeof(kSeedTraceMagic) - 1;
 
 struct Header {
@@ -33,7 +34,7 @@ struct FileRecord {
   float x, y, depth, sigma;
   std::uint16_t views;
   std::uint8_t fate;
-  std::uint8_t zero;
+  std::uint8_t level;
 };
 static_assert(sizeof(FileRecord) == 28);
 
@@ -45,6 +46,7 @@ Header MakeHeader(std::uint64_t count) {
 
 // What is wrong with a record, if anything.
 std::optional<std::string> FaultOf(const FileRecord& r) {
+  if (r.level >= kLevels) return "the level is unknown";
   if (!std::isfinite(r.x) || !std::isfinite(r.y)) return "the pixel is not finite";
   if (!std::isfinite(r.depth) || r.depth < 0) return "the depth is not a positive number";
   if (!std::isfinite(r.sigma) || r.sigma < 0) return "sigma is not a positive number";
@@ -77,7 +79,7 @@ void SeedTraceWriter::Write(const SeedRecord& record) {
                      record.sigma,
                      record.views,
                      static_cast<std::uint8_t>(record.fate),
-                     0};
+                     record.level};
   if (const auto fault = FaultOf(r)) throw std::invalid_argument("seed record: " + *fault);
   file_.Write(&r, sizeof(r));
   ++count_;
@@ -128,7 +130,8 @@ std::vector<SeedRecord> ReadSeedTrace(const std::filesystem::path& path) {
                        static_cast<Fate>(r.fate),
                        r.views,
                        r.depth,
-                       r.sigma});
+                       r.sigma,
+                       r.level});
   }
   return records;
 }

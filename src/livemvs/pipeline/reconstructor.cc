@@ -166,9 +166,11 @@ SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, std::size_t 
   VisitModel(camera.model, [&](auto model) {
     const auto p = decltype(model)::template Distort<double>(
         camera.distortion.data(), s.bearing_x[i], s.bearing_y[i]);
-    record.x = static_cast<float>(camera.fx * p.x + camera.cx);
-    record.y = static_cast<float>(camera.fy * p.y + camera.cy);
+    const double scale = std::ldexp(1.0, reference.level);  // see AtLevel()
+    record.x = static_cast<float>((camera.fx * p.x + camera.cx + 0.5) * scale - 0.5);
+    record.y = static_cast<float>((camera.fy * p.y + camera.cy + 0.5) * scale - 0.5);
   });
+  record.level = static_cast<std::uint8_t>(reference.level);
   record.end_frame = last_frame_;
   record.fate = s.fate[i];
   record.views = s.counts[i].views;

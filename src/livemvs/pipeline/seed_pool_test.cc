@@ -37,7 +37,7 @@ class SeedPoolTest : public ::testing::Test {
     for (int k = 0; k < kPatchPixels; ++k) EXPECT_EQ(s.patch[i * kPatchPixels + k], n + k);
   }
 
-  void Begin(std::int64_t frame) { pool_.BeginReference(frame, Camera{}, Rigid3d{}); }
+  void Begin(std::int64_t frame) { pool_.BeginReference(frame, 0, Camera{}, Rigid3d{}); }
 
   SeedPool pool_{10};
 };

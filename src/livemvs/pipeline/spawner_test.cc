@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "livemvs/pipeline/pyramid.h"
 #include "plane_scene.h"
 
 namespace livemvs {
@@ -23,6 +24,15 @@ SceneRange NearFar() {
 
 class SpawnerTest : public ::testing::Test {
  protected:
+  std::int64_t Spawn(Spawner&& spawner, const PointCloud& points, SeedPool* pool) const {
+    return Spawn(spawner, points, pool);
+  }
+  std::int64_t Spawn(Spawner& spawner, const PointCloud& points, SeedPool* pool) const {
+    Pyramid pyramid;
+    pyramid.Build(frame_.picture->grey, options_.levels);
+    return spawner.Spawn(frame_, pyramid.levels(), points, pool);
+  }
+
   // Pixels of the pool's seeds in their own frame.
   std::vector<Eigen::Vector2i> Pixels(const SeedPool& pool) const {
     std::vector<Eigen::Vector2i> pixels;
@@ -41,7 +51,7 @@ class SpawnerTest : public ::testing::Test {
 
 TEST_F(SpawnerTest, PlantsThePriorOfSection42) {
   SeedPool pool(4000);
-  const auto planted = Spawner(options_, NearFar()).Spawn(frame_, {}, &pool);
+  const auto planted = Spawn(Spawner(options_, NearFar()), {}, &pool);
   ASSERT_GT(planted, 1000);
   EXPECT_EQ(static_cast<std::size_t>(planted), pool.size());
   ASSERT_EQ(pool.references().size(), 1U);
@@ -74,7 +84,7 @@ TEST_F(SpawnerTest, IntervalsEndAtTheBox) {
   range.box = Box{{-0.2, -0.15, 0.8}, {0.25, 0.2, 1.3}};
   options_.coordinate = DepthCoordinate::kDepth;
   SeedPool pool(4000);
-  ASSERT_GT(Spawner(options_, range).Spawn(frame_, {}, &pool), 300);
+  ASSERT_GT(Spawn(Spawner(options_, range), {}, &pool), 300);
   constexpr double kTolerance = 1e-5;
   const auto on_surface = [&](const Eigen::Vector3d& p) {
     const auto& box = *range.box;
@@ -94,10 +104,10 @@ TEST_F(SpawnerTest, IntervalsEndAtTheBox) {
 TEST_F(SpawnerTest, LiveSeedsKeepTheirPixels) {
   SeedPool pool(20'000);
   Spawner spawner(options_, NearFar());
-  ASSERT_GT(spawner.Spawn(frame_, {}, &pool), 1000);
-  EXPECT_EQ(spawner.Spawn(frame_, {}, &pool), 0) << "every pixel has its seed already";
+  ASSERT_GT(Spawn(spawner, {}, &pool), 1000);
+  EXPECT_EQ(Spawn(spawner, {}, &pool), 0) << "every pixel has its seed already";
   options_.cover_radius_px = -1;
-  EXPECT_GT(Spawner(options_, NearFar()).Spawn(frame_, {}, &pool), 1000) << "as published";
+  EXPECT_GT(Spawn(Spawner(options_, NearFar()), {}, &pool), 1000) << "as published";
 }
 
 TEST_F(SpawnerTest, PointsCoverOnlyTheSideTheyWereSeenFrom) {
@@ -112,13 +122,13 @@ TEST_F(SpawnerTest, PointsCoverOnlyTheSideTheyWereSeenFrom) {
     }
   }
   SeedPool pool(4000);
-  Spawner(options_, NearFar()).Spawn(frame_, points, &pool);
+  Spawn(Spawner(options_, NearFar()), points, &pool);
   ASSERT_GT(pool.size(), 300U);
   for (const auto& pixel : Pixels(pool)) EXPECT_GT(pixel.x(), 100);
   // The same points, seen from behind.
   for (Point& p : points) p.normal = -p.normal;
   SeedPool all(4000);
-  Spawner(options_, NearFar()).Spawn(frame_, points, &all);
+  Spawn(Spawner(options_, NearFar()), points, &all);
   int left = 0;
   for (const auto& pixel : Pixels(all)) left += pixel.x() < 100;
   EXPECT_GT(left, 300);
@@ -129,8 +139,7 @@ TEST_F(SpawnerTest, ThinsEvenly) {
   options_.min_patch_stddev = 0;
   for (const std::size_t slots : {150U, 1000U, 7000U}) {
     SeedPool pool(slots);
-    EXPECT_EQ(Spawner(options_, NearFar()).Spawn(frame_, {}, &pool),
-              static_cast<std::int64_t>(slots));
+    EXPECT_EQ(Spawn(Spawner(options_, NearFar()), {}, &pool), static_cast<std::int64_t>(slots));
     // The picture in 5 x 5 parts: each has its share, give or take a third and a few.
     int count[25] = {};
     for (const auto& p : Pixels(pool)) ++count[p.y() * 5 / 150 * 5 + p.x() * 5 / 200];
@@ -144,7 +153,7 @@ TEST_F(SpawnerTest, NoSeedsWhereNothingCanMatch) {
   scene_.noise = 1;
   frame_ = scene_.Render(Rigid3d{}, 0);
   SeedPool pool(4000);
-  ASSERT_GT(Spawner(options_, NearFar()).Spawn(frame_, {}, &pool), 300);
+  ASSERT_GT(Spawn(Spawner(options_, NearFar()), {}, &pool), 300);
   for (const auto& pixel : Pixels(pool)) EXPECT_GT(pixel.x(), frame_.camera.cx - 3);
 }
 
@@ -154,10 +163,50 @@ TEST_F(SpawnerTest, TinyPicturesAndMissedBoxesGiveNoSeeds) {
   behind.near = 0.1;
   behind.far = 10;
   behind.box = Box{{-1, -1, -3}, {1, 1, -2}};
-  EXPECT_EQ(Spawner(options_, behind).Spawn(frame_, {}, &pool), 0);
+  EXPECT_EQ(Spawn(Spawner(options_, behind), {}, &pool), 0);
   scene_.camera.width = 4;
   scene_.camera.height = 3;
-  EXPECT_EQ(Spawner(options_, NearFar()).Spawn(scene_.Render(Rigid3d{}, 0), {}, &pool), 0);
+  frame_ = scene_.Render(Rigid3d{}, 0);
+  EXPECT_EQ(Spawn(Spawner(options_, NearFar()), {}, &pool), 0);
+}
+
+TEST_F(SpawnerTest, EachLevelHasItsOwnGroupPatchesAndCoverage) {
+  options_.levels = 2;
+  options_.min_coarse_stddev = 5;
+  SeedPool pool(20'000);
+  ASSERT_GT(Spawn(Spawner(options_, NearFar()), {}, &pool), 1000);
+  ASSERT_EQ(pool.references().size(), 2U);
+  const ReferenceFrame& coarse = pool.references()[0];
+  EXPECT_EQ(coarse.level, 1);
+  EXPECT_EQ(pool.references()[1].level, 0);
+  EXPECT_EQ(coarse.camera.width, frame_.camera.width / 2);
+  Pyramid pyramid;
+  pyramid.Build(frame_.picture->grey, 2);
+  const Projector projector(coarse.camera);
+  const SeedColumns& s = pool.columns();
+  for (std::size_t i = coarse.begin; i < coarse.end; ++i) {
+    const auto p = projector.Project({s.bearing_x[i], s.bearing_y[i], 1});
+    const auto x = static_cast<int>(std::lround(p->x())), y = static_cast<int>(std::lround(p->y()));
+    ASSERT_EQ(s.patch[i * kPatchPixels + kPatchPixels / 2], pyramid.levels()[1](x, y));
+  }
+  // A point as wide as a pixel of level 1 covers that level, but not the finer one.
+  PointCloud points;
+  for (int y = 0; y < frame_.camera.height; ++y) {
+    for (int x = 0; x < frame_.camera.width; ++x) {
+      Point p;
+      p.position = Projector(frame_.camera).Unproject({x, y})->cast<float>();
+      p.normal = -p.position.normalized();
+      p.footprint = p.position.norm() * 2 / static_cast<float>(frame_.camera.FocalLength());
+      points.push_back(p);
+    }
+  }
+  SeedPool fine(20'000);
+  Spawn(Spawner(options_, NearFar()), points, &fine);
+  ASSERT_EQ(fine.references().size(), 1U);
+  EXPECT_EQ(fine.references()[0].level, 0);
+  for (Point& p : points) p.footprint /= 2;
+  SeedPool none(20'000);
+  EXPECT_EQ(Spawn(Spawner(options_, NearFar()), points, &none), 0);
 }
 
 }  // namespace

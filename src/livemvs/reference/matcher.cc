@@ -1,5 +1,6 @@
 #include "livemvs/reference/matcher.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -136,27 +137,51 @@ struct Variances {
   double shared;  // of the error that all matches share: the bias, and the slip's
 };
 
-Variances VariancesOf(const Options& options, const Seed& seed, const Vector2d& direction) {
+// What is left of `values` when the share that the patch's own grey levels and a constant explain
+// is taken off: by the normal equations of least squares.
+std::vector<double> WithoutGainAndOffset(const std::vector<double>& values,
+                                         const std::vector<double>& grey) {
+  Eigen::MatrixX2d basis(grey.size(), 2);
+  for (std::size_t i = 0; i < grey.size(); ++i) basis.row(static_cast<int>(i)) << 1, grey[i];
+  const Eigen::Map<const Eigen::VectorXd> v(values.data(), static_cast<int>(values.size()));
+  const Eigen::VectorXd rest = v - basis * basis.completeOrthogonalDecomposition().solve(v);
+  return {rest.data(), rest.data() + rest.size()};
+}
+
+Variances VariancesOf(const Options& options,
+                      const Seed& seed,
+                      const Vector2d& direction,
+                      double noise) {
   const Vector2d across(-direction.y(), direction.x());
-  double sum = 0, mixed = 0;
+  std::vector<double> grey, g, h;
   for (int r = 1; r < kPatchSize - 1; ++r) {
     for (int c = 1; c < kPatchSize - 1; ++c) {
       const auto at = [&](int y, int x) {
         return static_cast<double>(seed.patch[y * kPatchSize + x]);
       };
       const Vector2d gradient((at(r, c + 1) - at(r, c - 1)) / 2, (at(r + 1, c) - at(r - 1, c)) / 2);
-      sum += std::pow(gradient.dot(direction), 2);
-      mixed += gradient.dot(direction) * gradient.dot(across);
+      grey.push_back(at(r, c));
+      g.push_back(gradient.dot(direction));
+      h.push_back(gradient.dot(across));
     }
   }
-  const double inner = (kPatchSize - 2) * (kPatchSize - 2);
-  const double own = std::pow(static_cast<double>(options.measurement_sigma_px), 2);
-  const double noise2 = std::pow(static_cast<double>(options.image_noise), 2);
-  const double scale = kPatchPixels / inner;
+  g = WithoutGainAndOffset(g, grey);
+  h = WithoutGainAndOffset(h, grey);
+  double gg = 0, gh = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    gg += g[i] * g[i];
+    gh += g[i] * h[i];
+  }
+  const double scale = kPatchPixels / static_cast<double>(g.size());
+  const double noise2 = noise * noise;
+  // Central differences hold half of the noise's variance; two degrees of freedom are taken off.
+  const double noise_share = noise2 / 2 * static_cast<double>(g.size() - 2) * scale;
+  const double signal = std::max(gg * scale - noise_share, 0.0) + 1e-6;
   // An error across the line moves an edge that crosses it at a slant along it.
-  const double slip = std::pow(options.epipolar_error_px * mixed * scale / (sum * scale + 1e-6), 2);
-  const double noise = noise2 > 0 ? 2 * noise2 / (sum * scale + 1e-6) : 0;
-  return {own + noise + slip, std::pow(options.match_bias_px, 2) + slip};
+  const double slip = std::pow(options.epipolar_error_px * gh * scale / signal, 2);
+  const double own = std::pow(static_cast<double>(options.measurement_sigma_px), 2);
+  return {own + (noise2 > 0 ? 2 * noise2 / signal : 0) + slip,
+          std::pow(options.match_bias_px, 2) + slip};
 }
 
 // Whole-pixel samples [first, last] that the window, the interval and the picture allow.
@@ -215,17 +240,17 @@ Match FindMatch(const Options& options, const Seed& seed, const Meeting& current
     return {MatchStatus::kNoInformation};
   }
   const Grid grid = GridOf(options, seed, current);
-  const Vector2d in_patch(grid.right.normalized().dot(line.direction()),
-                          grid.down.normalized().dot(line.direction()));
-  const Variances variances = VariancesOf(options, seed, in_patch);
-  if (std::sqrt(variances.match) > options.max_measurement_sigma_px)
-    return {MatchStatus::kNoInformation};
   const double radius =
       std::min(std::max<double>(options.search_sigmas * sigma_px, options.search_radius_px),
                static_cast<double>(options.search_radius_max_px));
   const double reach = current.warp ? kPatchRadius * 1.4143 * grid.scale : kPatchRadius;
   const auto [first, last] = Window(line, current, radius, reach + kInterpolation);
   if (last - first < 2) return {MatchStatus::kOutOfView};
+  const Vector2d in_patch(grid.right.normalized().dot(line.direction()),
+                          grid.down.normalized().dot(line.direction()));
+  const Variances variances = VariancesOf(options, seed, in_patch, options.image_noise);
+  if (std::sqrt(variances.match) > options.max_measurement_sigma_px)
+    return {MatchStatus::kNoInformation};
   if (std::all_of(
           seed.patch.begin(), seed.patch.end(), [&](auto v) { return v == seed.patch[0]; })) {
     return {MatchStatus::kNoInformation};

@@ -57,13 +57,23 @@ float MarginOf(bool warp, float scale) {
   return kPatchRadius * 1.4143F * scale + kInterpolation;
 }
 
-/// tau of [VH11] Sec. 3, in pixels: the matcher's own, and what the image noise adds where the
-/// patch has little gradient along the line (the Cramér-Rao bound of a shift between two noisy
-/// patches).
-float MeasurementSigma2(const Options& options, float gradient) {
-  const float noise2 = options.image_noise * options.image_noise;
-  return options.measurement_sigma_px * options.measurement_sigma_px +
-         (noise2 > 0 ? 2 * noise2 / (gradient + 1e-6F) : 0);
+/// The share of the noise in the sum of squared derivatives of Texture(), in units of the noise's
+/// variance: half of it in each central difference, of which two degrees of freedom are taken off.
+constexpr float kNoiseShare = 0.5F * 7 * kPatchPixels / 9;
+
+/// tau of [VH11] Sec. 3, in pixels, and the error that all matches of a seed share. Beside the
+/// matcher's own sigma there is what the image noise adds where the patch has little texture along
+/// the line (the Cramér-Rao bound of a shift between two noisy patches), and what an error across
+/// the line does where the patch's edges cross it at a slant.
+void PredictErrors(const UpdateJob& job, const TextureSums& texture, LineSearch* search) {
+  const Options& options = *job.options;
+  const float noise = std::ldexp(options.image_noise, -job.group->level);
+  const float noise2 = noise * noise;
+  const float signal = std::max(texture.along2 - kNoiseShare * noise2, 0.0F) + 1e-6F;
+  const float slip = options.epipolar_error_px * texture.along_across / signal;
+  const float own = options.measurement_sigma_px * options.measurement_sigma_px;
+  search->tau2_px = own + (noise2 > 0 ? 2 * noise2 / signal : 0) + slip * slip;
+  search->bias2_px = options.match_bias_px * options.match_bias_px + slip * slip;
 }
 
 /// [VH11] Algorithm 1, step 2a: projects the ray and decides where along it to search. kMatched
@@ -84,24 +94,21 @@ MatchStatus Prepare(const UpdateJob& job, std::size_t i, LineSearch* search) {
   if (!(4 * sigma_px >= options.min_parallax_px && p.rate > kAtRest)) {
     return MatchStatus::kNoInformation;
   }
-  // The line's direction in the reference patch.
-  const float c = job.warp ? view.roll_cos : 1, r = job.warp ? view.roll_sin : 0;
-  const Texture texture =
-      TextureAlong(s.patch + i * kPatchPixels, c * p.dx + r * p.dy, c * p.dy - r * p.dx);
-  const float slip = options.epipolar_error_px * texture.along_across / (texture.along2 + 1e-6F);
-  search->tau2_px = MeasurementSigma2(options, texture.along2) + slip * slip;
-  search->bias2_px = options.match_bias_px * options.match_bias_px + slip * slip;
-  if (search->tau2_px > options.max_measurement_sigma_px * options.max_measurement_sigma_px) {
-    return MatchStatus::kNoInformation;
-  }
   search->scale = Clamp(p.scale, 0.25F, 4.0F);
   const float radius = search->born ? Clamp(options.search_sigmas * sigma_px,
                                             options.search_radius_px,
                                             options.search_radius_max_px)
                                     : kWholeLine;
   search->range = ClipSearch(view, p, s.mu[i], radius, MarginOf(job.warp, search->scale));
-  return search->range.last - search->range.first < 2 ? MatchStatus::kOutOfView
-                                                      : MatchStatus::kMatched;
+  if (search->range.last - search->range.first < 2) return MatchStatus::kOutOfView;
+  // The line's direction in the reference patch.
+  const float c = job.warp ? view.roll_cos : 1, r = job.warp ? view.roll_sin : 0;
+  PredictErrors(
+      job, Texture(s.patch + i * kPatchPixels, c * p.dx + r * p.dy, c * p.dy - r * p.dx), search);
+  if (search->tau2_px > options.max_measurement_sigma_px * options.max_measurement_sigma_px) {
+    return MatchStatus::kNoInformation;
+  }
+  return MatchStatus::kMatched;
 }
 
 /// Whether a patch has any contrast at all.

@@ -1,0 +1,151 @@
+#include "livemvs/map/regularise.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "livemvs/map/supersede.h"
+
+namespace livemvs {
+namespace {
+
+constexpr float kFootprint = 0.01F;
+constexpr float kSigma = 0.008F;
+
+Point At(float x, float y, float z) {
+  Point p;
+  p.position = {x, y, z};
+  p.normal = {0, 0, 1};
+  p.sigma = kSigma;
+  p.footprint = kFootprint;
+  return p;
+}
+
+// A sheet at z = 0, a point a footprint, with the noise that the points claim to have.
+PointCloud NoisySheet() {
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise(0, kSigma);
+  PointCloud cloud;
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      cloud.push_back(At(
+          kFootprint * static_cast<float>(x), kFootprint * static_cast<float>(y), noise(random)));
+    }
+  }
+  return cloud;
+}
+
+double RmsZ(const PointCloud& cloud) {
+  double sum = 0;
+  for (const Point& p : cloud) sum += static_cast<double>(p.position.z()) * p.position.z();
+  return std::sqrt(sum / static_cast<double>(cloud.size()));
+}
+
+TEST(RegulariseTest, NoiseOnASurfaceAveragesOut) {
+  PointCloud cloud = NoisySheet();
+  const double before = RmsZ(cloud);
+  EXPECT_LT(Regularise({}, &cloud), 40U);  // a Gaussian's tail may lose its support
+  EXPECT_LT(RmsZ(cloud), 0.6 * before);
+}
+
+TEST(RegulariseTest, NoPointMovesFurtherThanItsOwnUncertainty) {
+  const PointCloud before = NoisySheet();
+  PointCloud after = before;
+  ASSERT_EQ(Regularise({.min_support = 0}, &after), 0U);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_LE((after[i].position - before[i].position).norm(), kSigma * 1.0001F);
+  }
+}
+
+TEST(RegulariseTest, LonelyPointsGo) {
+  PointCloud cloud = NoisySheet();
+  for (Point& p : cloud) p.position.z() *= 0.1F;
+  const std::size_t sheet = cloud.size();
+  cloud.push_back(At(0.2F, 0.2F, 0.3F));
+  cloud.push_back(At(0.21F, 0.2F, 0.3F));
+  EXPECT_EQ(Regularise({}, &cloud), 2U);
+  EXPECT_EQ(cloud.size(), sheet);
+  for (const Point& p : cloud) EXPECT_LT(std::abs(p.position.z()), kSigma);
+}
+
+TEST(RegulariseTest, PointsBesideASurfaceDoNotBendIt) {
+  PointCloud cloud = NoisySheet();
+  for (Point& p : cloud) p.position.z() *= 0.1F;
+  const PointCloud alone = cloud;
+  cloud.push_back(At(0.2F, 0.2F, 4 * kFootprint));
+  Regularise({.min_support = 0}, &cloud);
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_LT(std::abs(cloud[i].position.z()), 0.4F * kSigma);
+  }
+}
+
+TEST(RegulariseTest, AnEdgeStaysSharp) {
+  PointCloud cloud;  // two sheets that meet at a right angle along y
+  for (int v = 0; v < 30; ++v) {
+    for (int u = 0; u < 30; ++u) {
+      const float a = kFootprint * (static_cast<float>(u) + 0.5F);
+      const float b = kFootprint * static_cast<float>(v);
+      cloud.push_back(At(a, b, 0));
+      cloud.push_back(At(0, b, a));
+    }
+  }
+  for (Point& p : cloud) p.sigma = 0.25F * kFootprint;
+  Regularise({}, &cloud);
+  double worst = 0;
+  for (const Point& p : cloud) {
+    worst = std::max(
+        worst, static_cast<double>(std::min(std::abs(p.position.x()), std::abs(p.position.z()))));
+  }
+  // At most the points' own uncertainty, and most of it not used.
+  EXPECT_LT(worst, 0.25 * kFootprint);
+}
+
+TEST(RegulariseTest, PointsThatDoNotKnowTheirUncertaintyStayAsTheyAre) {
+  PointCloud cloud(3);
+  cloud[1].position.x() = std::numeric_limits<float>::quiet_NaN();
+  cloud[2].sigma = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(Regularise({}, &cloud), 0U);
+  EXPECT_EQ(cloud.size(), 3U);
+  PointCloud none;
+  EXPECT_EQ(Regularise({}, &none), 0U);
+}
+
+TEST(RegulariseTest, RefusesOptionsThatMakeNoSense) {
+  PointCloud cloud;
+  EXPECT_THROW(Regularise({.radius_px = 0}, &cloud), std::invalid_argument);
+  EXPECT_THROW(Regularise({.neighbors = 3}, &cloud), std::invalid_argument);
+  EXPECT_THROW(Regularise({.min_support = 17}, &cloud), std::invalid_argument);
+}
+
+TEST(RemoveSupersededTest, CoarsePointsGoWhereFinerOnesAre) {
+  PointCloud cloud = NoisySheet();
+  for (Point& p : cloud) p.position.z() = 0;
+  const std::size_t fine = cloud.size();
+  Point coarse = At(0.1F, 0.1F, 0.001F);
+  coarse.footprint = 2 * kFootprint;
+  cloud.push_back(coarse);  // on the sheet
+  coarse.position.x() = 0.5F;
+  cloud.push_back(coarse);  // beside it
+  Point alike = At(0.105F, 0.105F, 0.001F);
+  alike.footprint = 1.3F * kFootprint;  // another distance, the same level
+  cloud.push_back(alike);
+  EXPECT_EQ(RemoveSuperseded(&cloud), 1U);
+  ASSERT_EQ(cloud.size(), fine + 2);
+  EXPECT_EQ(cloud[fine].position.x(), 0.5F);
+  EXPECT_EQ(cloud[fine + 1].footprint, 1.3F * kFootprint);
+}
+
+TEST(RemoveSupersededTest, EmptyAndNotFiniteCloudsAreNoTrouble) {
+  PointCloud cloud;
+  EXPECT_EQ(RemoveSuperseded(&cloud), 0U);
+  cloud.resize(2);
+  cloud[0].position.x() = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(RemoveSuperseded(&cloud), 0U);
+  EXPECT_EQ(cloud.size(), 2U);
+}
+
+}  // namespace
+}  // namespace livemvs
