@@ -161,13 +161,15 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
 SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, std::size_t i) const {
   const SeedColumns& s = pool_.columns();
   const Camera& camera = reference.camera;
+  const double scale = std::ldexp(1.0, reference.level);
   SeedRecord record;
   record.birth_frame = reference.frame_index;
   VisitModel(camera.model, [&](auto model) {
     const auto p = decltype(model)::template Distort<double>(
         camera.distortion.data(), s.bearing_x[i], s.bearing_y[i]);
-    record.x = static_cast<float>(camera.fx * p.x + camera.cx);
-    record.y = static_cast<float>(camera.fy * p.y + camera.cy);
+    // From the pixels of the seed's level to those of the frame: see AtLevel.
+    record.x = static_cast<float>((camera.fx * p.x + camera.cx + 0.5) * scale - 0.5);
+    record.y = static_cast<float>((camera.fy * p.y + camera.cy + 0.5) * scale - 0.5);
   });
   record.end_frame = last_frame_;
   record.fate = s.fate[i];
