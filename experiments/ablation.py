@@ -73,6 +73,7 @@ COLUMNS = [
     ("redkitchen", "median_error_mm", "median mm", 1),
     ("redkitchen", "floats", "floats %", 1),
     ("hazards", "points", "points", 0),
+    ("hazards", "within_1mm", "1 mm %", 1),
     ("hazards", "within_5mm", "5 mm %", 1),
     ("hazards", "false_all", "false %", 1),
     ("hazards", "false_off_edges", "off edges %", 1),
@@ -192,7 +193,7 @@ def cell(numbers, column):
 
 
 def markdown(rows, datasets):
-    """A table of the columns of these data sets."""
+    """A table of the columns of these data sets; empty where none was measured."""
     columns = [c for c in COLUMNS if c[0] in datasets]
     lines = ["| row | " + " | ".join(f"{c[0]} {c[2]}" for c in columns) + " |",
              "|---|" + "---:|" * len(columns)]
@@ -200,7 +201,7 @@ def markdown(rows, datasets):
         cells = [cell(numbers, c) for c in columns]
         if any(cells):
             lines.append(f"| {row} | " + " | ".join(c or "–" for c in cells) + " |")
-    return "\n".join(lines)
+    return "\n".join(lines) if len(lines) > 2 else ""
 
 
 def options_table():
@@ -208,7 +209,7 @@ def options_table():
     for row, options in ROWS.items():
         text = f"`{options}`" if options else "nothing"
         if row == "exposure":
-            text = "nothing; the light of `hazards` changes by up to half"
+            text = "nothing; the light of `hazards` varies by ± 50 % (`--exposure-variation 0.5`)"
         lines.append(f"| {row} | {text} |")
     return "\n".join(lines)
 
@@ -241,7 +242,8 @@ def write_docs(rows):
     parts = [origin()]
     if absent:
         parts[0] += f" Not measured, because the data was not there: {', '.join(absent)}."
-    parts += [markdown(rows, datasets) for datasets in TABLES] + [options_table()]
+    parts += [text for datasets in TABLES if (text := markdown(rows, datasets))]
+    parts.append(options_table())
     page = ROOT / "docs" / "ablation.md"
     before, rest = page.read_text().split(BEGIN)
     after = rest.split(END)[1]
@@ -270,8 +272,9 @@ def main():
                 text = ", ".join(f"{name} {value:.6g}" for name, value in numbers.items())
                 print(f"{data:12s} {row:14s} {time.monotonic() - started:4.0f} s  {text}", flush=True)
     if args.quick or len(rows) < len(ROWS):
-        for datasets in TABLES:
-            print("\n" + markdown(rows, datasets))
+        for text in (markdown(rows, datasets) for datasets in TABLES):
+            if text:
+                print("\n" + text)
     else:
         write_docs(rows)
         print("wrote docs/ablation.csv and the tables of docs/ablation.md")
