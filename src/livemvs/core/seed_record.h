@@ -10,7 +10,7 @@ namespace livemvs {
 /// convergence is measured from.
 struct SeedRecord {
   std::int64_t birth_frame = 0;  ///< Index of the frame it was planted in ...
-  float x = 0;                   ///< ... and its pixel there [px].
+  float x = 0;                   ///< ... and its place there, in pixels of level 0 [px].
   float y = 0;
   std::int64_t end_frame = 0;  ///< Index of the frame in which it ended; of the last, if it lives.
   Fate fate = Fate::kAlive;    ///< kAlive: still undecided when the run ended. Never kRemoved.

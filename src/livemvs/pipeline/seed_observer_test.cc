@@ -110,6 +110,33 @@ INSTANTIATE_TEST_SUITE_P(Models,
                                          CameraModel::kBrownConrady,
                                          CameraModel::kKannalaBrandt));
 
+TEST(SeedObserver, RecordsOfCoarseSeedsLeadBackToThePoint) {
+  const PlaneScene scene;
+  const std::vector<PosedFrame> frames = Frames(scene);
+  Options options = TestOptions();
+  options.levels = 3;
+  Recorder recorder;
+  Reconstructor reconstructor(options, NearFar());
+  reconstructor.SetObserver(&recorder);
+  for (const PosedFrame& frame : frames) reconstructor.AddFrame(frame);
+  const Projector projector(scene.camera);
+  std::size_t next = 0;
+  std::size_t coarse = 0;
+  for (const SeedRecord& r : recorder.records) {
+    if (r.fate != Fate::kConverged) continue;
+    // The centre of a coarse pixel lies between those of the frame.
+    coarse += std::abs(r.x - std::round(r.x)) > 0.4F;
+    const PosedFrame& birth = frames[static_cast<std::size_t>((r.birth_frame - 100) / 7)];
+    const Eigen::Vector3d in_birth =
+        birth.cam_from_world * reconstructor.points()[next++].position.cast<double>();
+    const auto pixel = projector.Project(in_birth);
+    ASSERT_TRUE(pixel);
+    ASSERT_NEAR(pixel->x(), r.x, 0.01);
+    ASSERT_NEAR(pixel->y(), r.y, 0.01);
+  }
+  EXPECT_GT(coarse, 100U);
+}
+
 TEST(SeedObserver, ChangesNothing) {
   const std::vector<PosedFrame> frames = Frames(PlaneScene());
   Recorder recorder;
