@@ -302,7 +302,7 @@ void Run(const RunArguments& args) {
   const double loop_seconds = SecondsSince(loop_start);
 
   PointCloud cloud = reconstructor.TakePoints();
-  RemoveSuperseded(&cloud);
+  if (options.levels > 1) RemoveSuperseded(&cloud);
   if (options.regularise_px > 0) {
     Regularise({.radius_px = options.regularise_px, .min_support = options.min_support}, &cloud);
   }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <random>
 
 #include "livemvs/backend/cpu/kernels.h"
@@ -134,15 +135,17 @@ struct Agreement {
 Agreement Compare(const Options& options,
                   const std::vector<PosedFrame>& frames,
                   bool warp,
-                  int step) {
+                  int step,
+                  int level = 0) {
   Agreement result;
   std::vector<reference::Seed> seeds = Plant(options, frames[0], step);
   Columns columns(seeds);
   for (std::size_t f = 1; f < frames.size(); ++f) {
     const PosedFrame& cur = frames[f];
     SeedGroup group = GroupOf(frames[0], cur, seeds.size());
+    group.level = level;
     const reference::Meeting meeting = {
-        cur.picture->grey.view(), Projector(cur.camera), cur.cam_from_world, warp};
+        cur.picture->grey.view(), Projector(cur.camera), cur.cam_from_world, warp, level};
     const UpdateJob job = {&options,
                            &Rule(),
                            columns.View(),
@@ -233,6 +236,31 @@ TEST(AgainstReference, PaperOptions) {
   Options options = PaperOptions();
   options.search = Search::kWindow;
   ExpectAgreement(Compare(options, frames, false, 5));
+}
+
+// A frame as level 1 of its pyramid.
+PosedFrame Halved(const PosedFrame& frame) {
+  PosedFrame half = frame;
+  half.camera = AtLevel(frame.camera, 1);
+  auto picture = std::make_shared<Picture>();
+  picture->grey = Image<std::uint8_t>(half.camera.width, half.camera.height);
+  const Image<std::uint8_t>& grey = frame.picture->grey;
+  for (int y = 0; y < half.camera.height; ++y) {
+    for (int x = 0; x < half.camera.width; ++x) {
+      picture->grey(x, y) =
+          static_cast<std::uint8_t>((grey(2 * x, 2 * y) + grey(2 * x + 1, 2 * y) +
+                                     grey(2 * x, 2 * y + 1) + grey(2 * x + 1, 2 * y + 1) + 2) /
+                                    4);
+    }
+  }
+  half.picture = picture;
+  return half;
+}
+
+TEST(AgainstReference, CoarseLevel) {
+  std::vector<PosedFrame> frames = PlaneScene().Render(SidewaysPath(12));
+  for (PosedFrame& frame : frames) frame = Halved(frame);
+  ExpectAgreement(Compare(TestOptions(), frames, false, 2, 1));
 }
 
 TEST(AgainstReference, TurnedAndScaledPatches) {

@@ -102,7 +102,8 @@ struct Options {
   float epsilon_px = 1;
   /// Fewest measurements that agreed.
   int min_views = 8;
-  /// Frames that told something, after which a seed that has not converged is given up; 0: never.
+  /// Frames that told something, or would have if the patch could be matched, after which a seed
+  /// that has not converged is given up; 0: never.
   int max_age = 60;
   /// Consecutive frames out of view after which a seed is given up; 0: never.
   int max_unseen = 15;
@@ -112,7 +113,8 @@ struct Options {
   /// Radius within which points are drawn to the plane of their neighbours [px of their level]; 0:
   /// not.
   float regularise_px = 5;
-  /// Fewest points on a plane, itself included, for a point to stay; 0: all stay.
+  /// Fewest points on that plane, itself included, for a point to stay; 0: all stay. Needs
+  /// regularise_px.
   int min_support = 4;
 
   /// Worker threads; 0: all cores. Results do not depend on it.

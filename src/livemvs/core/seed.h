@@ -27,7 +27,7 @@ enum class Fate : std::uint8_t {
 
 /// The small counts that a seed carries.
 struct SeedCounts {
-  std::uint16_t age;    ///< Frames that told something.
+  std::uint16_t age;    ///< Frames that told something, or had the parallax to do so.
   std::uint8_t views;   ///< Frames whose measurement agreed; saturates at 255.
   std::uint8_t unseen;  ///< Consecutive frames out of view; saturates at 255.
 };

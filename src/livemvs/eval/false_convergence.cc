@@ -1,7 +1,5 @@
 #include "livemvs/eval/false_convergence.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +9,7 @@
 #include <stdexcept>
 
 #include "livemvs/eval/evaluate.h"
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 namespace {
@@ -89,7 +88,17 @@ std::uint8_t LabelAt(const SeedRecord& seed, const Image<std::uint8_t>& labels) 
   const auto nearest = [](float v, int size) {
     return static_cast<int>(std::lround(std::clamp(v, 0.F, static_cast<float>(size - 1))));
   };
-  return labels(nearest(seed.x, labels.width()), nearest(seed.y, labels.height()));
+  const int x = nearest(seed.x, labels.width()), y = nearest(seed.y, labels.height());
+  std::uint8_t label = labels(x, y);
+  if (seed.level == 0) return label;
+  // The patch of a coarse level reaches further than an edge's label does.
+  const int reach = kPatchRadius << seed.level;
+  for (int v = std::max(y - reach, 0); v <= std::min(y + reach, labels.height() - 1); ++v) {
+    for (int u = std::max(x - reach, 0); u <= std::min(x + reach, labels.width() - 1); ++u) {
+      label |= static_cast<std::uint8_t>(labels(u, v) & kLabelOccludingEdge);
+    }
+  }
+  return label;
 }
 
 void Count(const SeedRecord& seed,
@@ -136,7 +145,7 @@ FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
   options.Check();
   const std::map<std::int64_t, Birthplace> places = Prepare(views);
   std::vector<Verdict> verdicts(seeds.size());
-  tbb::parallel_for(std::size_t{0}, seeds.size(), [&](std::size_t i) {
+  ParallelFor(seeds.size(), [&](std::size_t i) {
     const auto place = places.find(seeds[i].birth_frame);
     if (place != places.end() && seeds[i].fate == Fate::kConverged) {
       verdicts[i] = Judge(seeds[i], place->second, surface, options.tolerance);

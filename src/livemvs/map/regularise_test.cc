@@ -94,13 +94,14 @@ TEST(RegulariseTest, AnEdgeStaysSharp) {
   }
   for (Point& p : cloud) p.sigma = 0.25F * kFootprint;
   Regularise({}, &cloud);
-  double worst = 0;
+  // Points next to the edge may use up their uncertainty; the rest stays on its sheet.
+  int moved = 0;
   for (const Point& p : cloud) {
-    worst = std::max(
-        worst, static_cast<double>(std::min(std::abs(p.position.x()), std::abs(p.position.z()))));
+    const float off = std::min(std::abs(p.position.x()), std::abs(p.position.z()));
+    EXPECT_LE(off, 0.25F * kFootprint * 1.0001F);
+    moved += off > 0.02F * kFootprint;
   }
-  // At most the points' own uncertainty, and most of it not used.
-  EXPECT_LT(worst, 0.25 * kFootprint);
+  EXPECT_LT(moved, static_cast<int>(cloud.size()) / 10);
 }
 
 TEST(RegulariseTest, PointsThatDoNotKnowTheirUncertaintyStayAsTheyAre) {

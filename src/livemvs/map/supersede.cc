@@ -27,7 +27,7 @@ std::size_t RemoveSuperseded(PointCloud* cloud) {
   float finest = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < cloud->size(); ++i) {
     const Point& p = (*cloud)[i];
-    if (!p.position.allFinite()) continue;
+    if (!p.position.allFinite() || !(p.footprint > 0)) continue;
     positions.push_back(p.position);
     rows.push_back(i);
     finest = std::min(finest, p.footprint);

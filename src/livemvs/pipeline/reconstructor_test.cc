@@ -118,6 +118,7 @@ TEST(ReconstructorTest, MatchesTheReference) {
 
 TEST(ReconstructorTest, TwoRunsAndAnyNumberOfThreadsGiveTheSameBytes) {
   Options options = TestOptions();
+  options.levels = 3;
   const PointCloud first = Reconstruct(options, NearFar(), PlaneFrames()).points;
   ASSERT_GT(first.size(), 1000U);
   // More workers than cores, so that the number is real on any machine.
@@ -126,6 +127,28 @@ TEST(ReconstructorTest, TwoRunsAndAnyNumberOfThreadsGiveTheSameBytes) {
     options.threads = threads;
     EXPECT_TRUE(Identical(first, Reconstruct(options, NearFar(), PlaneFrames()).points)) << threads;
   }
+}
+
+TEST(ReconstructorTest, SeedsWhosePatchCannotBeMatchedGrowOld) {
+  // A ramp of brightness: every patch has gradient, and NCC does not see it move.
+  std::vector<PosedFrame> frames = PlaneFrames();
+  for (PosedFrame& frame : frames) {
+    auto picture = std::make_shared<Picture>();
+    picture->grey = Image<std::uint8_t>(frame.camera.width, frame.camera.height);
+    for (int y = 0; y < frame.camera.height; ++y) {
+      for (int x = 0; x < frame.camera.width; ++x) {
+        picture->grey(x, y) = static_cast<std::uint8_t>(x);
+      }
+    }
+    frame.picture = picture;
+  }
+  Options options = TestOptions();
+  options.min_patch_stddev = 0.5F;
+  options.max_age = 5;
+  Reconstructor reconstructor(options, NearFar());
+  for (const PosedFrame& frame : frames) reconstructor.AddFrame(frame);
+  EXPECT_GT(reconstructor.statistics().rejected_aged, 1000);
+  EXPECT_EQ(reconstructor.points().size(), 0U);
 }
 
 TEST(ReconstructorTest, UnitsOfPowersOfTwoChangeNothingButTheUnit) {

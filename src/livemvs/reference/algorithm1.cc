@@ -78,7 +78,10 @@ Match UpdateSeed(const Options& options, const Meeting& current, Seed* seed) {
   } else if (match.status == MatchStatus::kMismatch) {
     seed->posterior.b += 1;
   }
-  if (match.status == MatchStatus::kMatched || match.status == MatchStatus::kMismatch) ++counts.age;
+  if (match.status == MatchStatus::kMatched || match.status == MatchStatus::kMismatch ||
+      (match.status == MatchStatus::kNoInformation && match.had_parallax)) {
+    ++counts.age;
+  }
   if (match.status != MatchStatus::kOutOfView) {
     counts.unseen = 0;
   } else if (counts.unseen < 255) {

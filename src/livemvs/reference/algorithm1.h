@@ -30,18 +30,20 @@ struct Meeting {
   Projector projector;  ///< Of its camera.
   Rigid3d cam_from_world;
   bool warp = false;  ///< The sampling grid turns and scales with the relative pose.
+  int level = 0;      ///< Of the image pyramid, which the image and both cameras are of.
 };
 
 /// The outcome of step 2b; the numbers are set where the status is kMatched.
 struct Match {
   MatchStatus status = MatchStatus::kMismatch;
-  double score = 0;     ///< NCC.
-  double offset = 0;    ///< [px] along the epipolar line.
-  double mu = 0;        ///< Measured coordinate, in the seed's interval.
-  double tau2 = 0;      ///< Its variance.
-  double u = 0;         ///< Density of outliers.
-  double step = 0;      ///< Change of mu per pixel of the current image.
-  double bias2_px = 0;  ///< Variance of the error that all matches of the seed share [px²].
+  double score = 0;           ///< NCC.
+  double offset = 0;          ///< [px] along the epipolar line.
+  double mu = 0;              ///< Measured coordinate, in the seed's interval.
+  double tau2 = 0;            ///< Its variance.
+  double u = 0;               ///< Density of outliers.
+  double step = 0;            ///< Change of mu per pixel of the current image.
+  double bias2_px = 0;        ///< Variance of the error that all matches of the seed share [px²].
+  bool had_parallax = false;  ///< The frame lay far enough from the seed's own to tell something.
 };
 
 /// Steps 2a and 2b of Algorithm 1 [VH11] for one seed. Points are projected one by one through

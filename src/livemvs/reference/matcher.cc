@@ -237,23 +237,30 @@ Match FindMatch(const Options& options, const Seed& seed, const Meeting& current
   if (!line.visible()) return {MatchStatus::kOutOfView};
   const double sigma_px = std::sqrt(seed.posterior.sigma2) * line.rate();
   if (4 * sigma_px < options.min_parallax_px || line.rate() == 0) {
-    return {MatchStatus::kNoInformation};
+    const bool inside = current.projector.camera().Contains(line.origin());
+    return {inside ? MatchStatus::kNoInformation : MatchStatus::kOutOfView};
   }
+  const auto without_match = [](MatchStatus status) {
+    Match match{status};
+    match.had_parallax = true;
+    return match;
+  };
   const Grid grid = GridOf(options, seed, current);
   const double radius =
       std::min(std::max<double>(options.search_sigmas * sigma_px, options.search_radius_px),
                static_cast<double>(options.search_radius_max_px));
   const double reach = current.warp ? kPatchRadius * 1.4143 * grid.scale : kPatchRadius;
   const auto [first, last] = Window(line, current, radius, reach + kInterpolation);
-  if (last - first < 2) return {MatchStatus::kOutOfView};
+  if (last - first < 2) return without_match(MatchStatus::kOutOfView);
   const Vector2d in_patch(grid.right.normalized().dot(line.direction()),
                           grid.down.normalized().dot(line.direction()));
-  const Variances variances = VariancesOf(options, seed, in_patch, options.image_noise);
+  const Variances variances =
+      VariancesOf(options, seed, in_patch, std::ldexp(options.image_noise, -current.level));
   if (std::sqrt(variances.match) > options.max_measurement_sigma_px)
-    return {MatchStatus::kNoInformation};
+    return without_match(MatchStatus::kNoInformation);
   if (std::all_of(
           seed.patch.begin(), seed.patch.end(), [&](auto v) { return v == seed.patch[0]; })) {
-    return {MatchStatus::kNoInformation};
+    return without_match(MatchStatus::kNoInformation);
   }
 
   const auto score_at = [&](double offset) {
@@ -262,12 +269,20 @@ Match FindMatch(const Options& options, const Seed& seed, const Meeting& current
   std::vector<double> score;
   for (int i = first; i <= last; ++i) score.push_back(score_at(i));
   const Peaks peaks = FindPeaks(score, first);
-  if (peaks.best <= -2 || peaks.best < options.min_ncc) return {MatchStatus::kMismatch};
+  if (peaks.best <= -2 || peaks.best < options.min_ncc)
+    return without_match(MatchStatus::kMismatch);
   if (options.ambiguity_ncc > 0 && peaks.second > peaks.best - options.ambiguity_ncc) {
-    return {MatchStatus::kNoInformation};
+    return without_match(MatchStatus::kNoInformation);
   }
-  Match match{
-      MatchStatus::kMatched, peaks.best, peaks.offset, 0, 0, 1, 1 / line.rate(), variances.shared};
+  Match match{MatchStatus::kMatched,
+              peaks.best,
+              peaks.offset,
+              0,
+              0,
+              1,
+              1 / line.rate(),
+              variances.shared,
+              true};
   // The parabola through three samples half a pixel apart.
   const double low = score_at(peaks.offset - 0.5), high = score_at(peaks.offset + 0.5);
   const double curvature = low - 2 * peaks.best + high;

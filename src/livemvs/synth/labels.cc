@@ -1,11 +1,11 @@
 #include "livemvs/synth/labels.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
+
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 namespace {
@@ -108,7 +108,8 @@ Image<std::uint8_t> LabelSequenceFrame(const SyntheticScene& scene,
   const std::vector<Rigid3d> poses = FollowingPoses(sequence, frame.frame.index, options);
   const Projector projector(frame.frame.camera);
   const Rigid3d world_from_cam = frame.frame.cam_from_world.Inverse();
-  tbb::parallel_for(0, labels.height(), [&](int y) {
+  ParallelFor(static_cast<std::size_t>(labels.height()), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
     for (int x = 0; x < labels.width(); ++x) {
       const auto ray = projector.Unproject(Vector2d(x, y));
       if (frame.z_depth(x, y) == 0 || !ray) continue;

@@ -36,10 +36,11 @@ struct LineSearch {
   std::size_t seed;  ///< Index into the columns.
   Projection<float> projection;
   SearchRange range;
-  float scale;     ///< Of the sampling grid.
-  float tau2_px;   ///< Variance of a match [px²].
-  float bias2_px;  ///< Variance of the error that all matches of the seed share [px²].
-  bool born;       ///< False while the whole interval is searched for a first match.
+  float scale;        ///< Of the sampling grid.
+  float tau2_px;      ///< Variance of a match [px²].
+  float bias2_px;     ///< Variance of the error that all matches of the seed share [px²].
+  bool born;          ///< False while the whole interval is searched for a first match.
+  bool had_parallax;  ///< The frame lay far enough from the seed's own to tell something.
 };
 
 /// A successful measurement.
@@ -88,12 +89,15 @@ MatchStatus Prepare(const UpdateJob& job, std::size_t i, LineSearch* search) {
   search->projection = ProjectSeed<Model>(
       view, options.coordinate, {s.c0[i], s.c1[i]}, s.bearing_x[i], s.bearing_y[i], s.mu[i]);
   const Projection<float>& p = search->projection;
+  search->had_parallax = false;
   if (!p.visible) return MatchStatus::kOutOfView;
   const float sigma_px = std::sqrt(s.sigma2[i]) * p.rate;
   constexpr float kAtRest = 1e-3F;  // pixels that the whole interval spans: no line to search
   if (!(4 * sigma_px >= options.min_parallax_px && p.rate > kAtRest)) {
-    return MatchStatus::kNoInformation;
+    const bool inside = p.x >= 0 && p.y >= 0 && p.x <= view.width - 1 && p.y <= view.height - 1;
+    return inside ? MatchStatus::kNoInformation : MatchStatus::kOutOfView;
   }
+  search->had_parallax = true;
   search->scale = Clamp(p.scale, 0.25F, 4.0F);
   const float radius = search->born ? Clamp(options.search_sigmas * sigma_px,
                                             options.search_radius_px,
@@ -159,8 +163,11 @@ void Finish(const UpdateJob& job,
   } else if (status == MatchStatus::kMismatch) {
     q = Miss(q);
   }
-  const bool told = status == MatchStatus::kMatched || status == MatchStatus::kMismatch;
-  if (told || (!search.born && status == MatchStatus::kNoInformation)) ++counts.age;
+  // A camera at rest ages nobody; a patch that cannot be matched wherever the camera goes, does.
+  if (status == MatchStatus::kMatched || status == MatchStatus::kMismatch ||
+      (status == MatchStatus::kNoInformation && (search.had_parallax || !search.born))) {
+    ++counts.age;
+  }
   counts.unseen = status != MatchStatus::kOutOfView ? 0
                   : counts.unseen < 255             ? static_cast<std::uint8_t>(counts.unseen + 1)
                                                     : counts.unseen;
