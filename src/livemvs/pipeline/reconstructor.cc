@@ -161,7 +161,6 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
 SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, std::size_t i) const {
   const SeedColumns& s = pool_.columns();
   const Camera& camera = reference.camera;
-  const double scale = std::ldexp(1.0, reference.level);
   SeedRecord record;
   record.birth_frame = reference.frame_index;
   VisitModel(camera.model, [&](auto model) {
