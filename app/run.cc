@@ -21,9 +21,8 @@
 #include "livemvs/io/ply.h"
 #include "livemvs/io/prefetcher.h"
 #include "livemvs/io/seed_trace.h"
+#include "livemvs/map/finish_cloud.h"
 #include "livemvs/map/normals.h"
-#include "livemvs/map/regularise.h"
-#include "livemvs/map/supersede.h"
 #include "livemvs/pipeline/reconstructor.h"
 #include "livemvs/pipeline/scene_range.h"
 #include "livemvs/pipeline/search_mode.h"
@@ -220,6 +219,12 @@ class TraceObserver : public SeedObserver {
 };
 
 void ExplainEmptyCloud(const ReconstructionStatistics& s) {
+  if (s.seeds_converged > 0) {
+    LogWarning(
+        "no point is left: too few of them lie on a surface with others; try --set "
+        "min_support=0");
+    return;
+  }
   std::string reason = "too few frames";
   if (s.seeds_spawned == 0) {
     reason = "no pixel has texture within the range: check --box or --near and --far";
@@ -302,21 +307,20 @@ void Run(const RunArguments& args) {
   const double loop_seconds = SecondsSince(loop_start);
 
   PointCloud cloud = reconstructor.TakePoints();
-  if (options.levels > 1) RemoveSuperseded(&cloud);
-  if (options.regularise_px > 0) {
-    Regularise({.radius_px = options.regularise_px, .min_support = options.min_support}, &cloud);
-  }
+  const FinishedCloud finished = FinishCloud(options, &cloud);
   if (cloud.empty()) ExplainEmptyCloud(reconstructor.statistics());
   WriteCloud(args, &cloud);
-  const nlohmann::json statistics = StatisticsJson(args,
-                                                   options,
-                                                   range,
-                                                   *dataset,
-                                                   frame_statistics,
-                                                   reconstructor,
-                                                   cloud.size(),
-                                                   loop_seconds,
-                                                   SecondsSince(start));
+  nlohmann::json statistics = StatisticsJson(args,
+                                             options,
+                                             range,
+                                             *dataset,
+                                             frame_statistics,
+                                             reconstructor,
+                                             cloud.size(),
+                                             loop_seconds,
+                                             SecondsSince(start));
+  statistics["removed"] = {{"superseded", finished.superseded},
+                           {"unsupported", finished.unsupported}};
   std::printf("%zu points from %lld frames in %.1f s (%.1f frames/s)\n",
               cloud.size(),
               static_cast<long long>(reconstructor.statistics().frames),

@@ -6,6 +6,7 @@
 #include "experiments.h"
 #include "livemvs/eval/evaluate.h"
 #include "livemvs/eval/surface.h"
+#include "livemvs/map/finish_cloud.h"
 #include "livemvs/pipeline/reconstructor.h"
 #include "livemvs/pipeline/search_mode.h"
 #include "livemvs/synth/sequence.h"
@@ -22,7 +23,8 @@ constexpr int kSteps = 100;    // of the curves
 struct Run {
   std::string name;
   int step;
-  int frames = 0;
+  int frames;
+  Options options;
   std::unique_ptr<Reconstructor> reconstructor;
 };
 
@@ -44,6 +46,7 @@ std::vector<Run> MakeRuns(const SequenceOptions& sequence, const Box& box) {
       runs.push_back({std::string(preset) + " " + std::to_string(cameras.size()) + " frames",
                       step,
                       0,
+                      options,
                       std::make_unique<Reconstructor>(options, range)});
     }
   }
@@ -89,9 +92,10 @@ void House(const Settings& settings) {
   Csv summary(settings.tables / "fig7_summary.csv",
               "run,frames,points,accuracy 0.5 mm,1 mm,2 mm,5 mm,completeness 0.5 mm,1 mm,2 mm,"
               "5 mm,median error [mm],90 % error [mm]");
-  for (const Run& run : runs) {
-    const Evaluation e =
-        EvaluateAgainstMesh(run.reconstructor->points(), surface, cameras, options);
+  for (Run& run : runs) {
+    PointCloud cloud = run.reconstructor->TakePoints();
+    FinishCloud(run.options, &cloud);
+    const Evaluation e = EvaluateAgainstMesh(cloud, surface, cameras, options);
     const auto accuracy = [&](double mm) { return ShareWithin(e.accuracy, mm / kMillimetres); };
     const auto complete = [&](double mm) { return ShareWithin(e.completeness, mm / kMillimetres); };
     for (int i = 0; i <= kSteps; ++i) {
@@ -100,7 +104,7 @@ void House(const Settings& settings) {
     }
     summary.Row(run.name,
                 run.frames,
-                run.reconstructor->points().size(),
+                cloud.size(),
                 accuracy(0.5),
                 accuracy(1),
                 accuracy(2),
