@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "livemvs/map/point_index.h"
+#include "livemvs/map/remove_marked.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -113,13 +114,7 @@ std::size_t Regularise(const RegularisationOptions& options, PointCloud* cloud) 
       point.position += (shift * plane.normal).cast<float>();
     }
   });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < cloud->size(); ++i) {
-    if (!removed[i]) (*cloud)[kept++] = (*cloud)[i];
-  }
-  const std::size_t count = cloud->size() - kept;
-  cloud->resize(kept);
-  return count;
+  return RemoveMarked(removed, cloud);
 }
 
 }  // namespace livemvs

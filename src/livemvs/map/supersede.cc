@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "livemvs/map/point_index.h"
+#include "livemvs/map/remove_marked.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -46,13 +47,7 @@ std::size_t RemoveSuperseded(PointCloud* cloud) {
       }
     }
   });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < cloud->size(); ++i) {
-    if (!superseded[i]) (*cloud)[kept++] = (*cloud)[i];
-  }
-  const std::size_t removed = cloud->size() - kept;
-  cloud->resize(kept);
-  return removed;
+  return RemoveMarked(superseded, cloud);
 }
 
 }  // namespace livemvs

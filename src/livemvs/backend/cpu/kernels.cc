@@ -77,6 +77,11 @@ void PredictErrors(const UpdateJob& job, const TextureSums& texture, LineSearch*
   search->bias2_px = options.match_bias_px * options.match_bias_px + slip * slip;
 }
 
+/// Whether a patch has any contrast at all.
+bool IsFlat(const std::uint8_t* patch) {
+  return std::all_of(patch, patch + kPatchPixels, [&](std::uint8_t v) { return v == patch[0]; });
+}
+
 /// [VH11] Algorithm 1, step 2a: projects the ray and decides where along it to search. kMatched
 /// where there is something to search for.
 template <typename Model>
@@ -109,15 +114,11 @@ MatchStatus Prepare(const UpdateJob& job, std::size_t i, LineSearch* search) {
   const float c = job.warp ? view.roll_cos : 1, r = job.warp ? view.roll_sin : 0;
   PredictErrors(
       job, Texture(s.patch + i * kPatchPixels, c * p.dx + r * p.dy, c * p.dy - r * p.dx), search);
-  if (search->tau2_px > options.max_measurement_sigma_px * options.max_measurement_sigma_px) {
+  if (search->tau2_px > options.max_measurement_sigma_px * options.max_measurement_sigma_px ||
+      IsFlat(s.patch + i * kPatchPixels)) {
     return MatchStatus::kNoInformation;
   }
   return MatchStatus::kMatched;
-}
-
-/// Whether a patch has any contrast at all.
-bool IsFlat(const std::uint8_t* patch) {
-  return std::all_of(patch, patch + kPatchPixels, [&](std::uint8_t v) { return v == patch[0]; });
 }
 
 /// Turns the best maximum into a measurement of the seed's coordinate.
@@ -226,10 +227,7 @@ void UpdateBlock(const UpdateJob& job, std::size_t begin, std::size_t end, std::
   for (std::size_t i = begin; i < end; ++i) {
     if (job.seeds.fate[i] != Fate::kAlive) continue;
     LineSearch& search = searches[found];
-    MatchStatus status = Prepare<Model>(job, i, &search);
-    if (status == MatchStatus::kMatched && IsFlat(job.seeds.patch + i * kPatchPixels)) {
-      status = MatchStatus::kNoInformation;
-    }
+    const MatchStatus status = Prepare<Model>(job, i, &search);
     if (status == MatchStatus::kMatched) {
       order[found] = &search;
       ++found;
