@@ -38,6 +38,9 @@ class SceneWriter {
 /// Wood with rings of this width [m].
 Material WoodMaterial(const char* name, float scale);
 
+/// Speckled stone: the sheet under the objects.
+Material SheetMaterial();
+
 /// A table top of planks under everything, its surface at height z.
 void AddTableTop(SceneWriter& writer, float length, float width, float z);
 

@@ -89,13 +89,7 @@ void AddGrating(SceneWriter& writer) {
 void DescribeHazards(SceneWriter& writer, SceneDescription* scene) {
   scene->box = {{-0.215, -0.15, -0.005}, {0.215, 0.145, 0.14}};
   AddTableTop(writer, 1.0f, 0.8f, -0.004f);
-  writer.Use({.name = "sheet",
-              .texture = Texture::kTerrazzo,
-              .base = FromSrgb(0xB9B2A4),
-              .second = FromSrgb(0x6F4E3E),
-              .accent = FromSrgb(0x4F6670),
-              .scale = 0.009f,
-              .contrast = 0.55f});
+  writer.Use(SheetMaterial());
   writer->AddBox({-0.215f, -0.15f, -0.004f}, {0.215f, 0.145f, 0.f});
   AddPlainAndRepetitive(writer);
   AddGlossy(writer);

@@ -60,6 +60,16 @@ Material WoodMaterial(const char* name, float scale) {
           .contrast = 0.5f};
 }
 
+Material SheetMaterial() {
+  return {.name = "sheet",
+          .texture = Texture::kTerrazzo,
+          .base = FromSrgb(0xB9B2A4),
+          .second = FromSrgb(0x6F4E3E),
+          .accent = FromSrgb(0x4F6670),
+          .scale = 0.009f,
+          .contrast = 0.55f};
+}
+
 void AddTableTop(SceneWriter& writer, float length, float width, float z) {
   Material planks = WoodMaterial("table", 0.028f);
   planks.texture = Texture::kParquet;
@@ -148,13 +158,7 @@ void AddSmallThings(SceneWriter& writer) {
 void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
   scene->box = {{-0.21, -0.15, -0.005}, {0.21, 0.15, 0.2}};
   AddTableTop(writer, 1.0f, 0.8f, -0.004f);
-  writer.Use({.name = "sheet",
-              .texture = Texture::kTerrazzo,
-              .base = FromSrgb(0xB9B2A4),
-              .second = FromSrgb(0x6F4E3E),
-              .accent = FromSrgb(0x4F6670),
-              .scale = 0.009f,
-              .contrast = 0.55f});
+  writer.Use(SheetMaterial());
   writer->AddBox({-0.21f, -0.15f, -0.004f}, {0.21f, 0.15f, 0.f});
 
   writer.Place(-0.115, 0.055, 0, -14);
