@@ -3,7 +3,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -23,19 +22,6 @@ class BoundedQueue {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [&] { return values_.size() < capacity_ || closed_; });
     if (closed_) return false;
-    values_.push_back(std::move(value));
-    changed_.notify_all();
-    return true;
-  }
-
-  /// Makes room by dropping the value that has waited longest, which is counted.
-  bool PushDroppingOldest(T value) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (closed_) return false;
-    while (values_.size() >= capacity_) {
-      values_.pop_front();
-      ++dropped_;
-    }
     values_.push_back(std::move(value));
     changed_.notify_all();
     return true;
@@ -65,17 +51,11 @@ class BoundedQueue {
     return closed_ && values_.empty();
   }
 
-  std::int64_t dropped() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return dropped_;
-  }
-
  private:
   const std::size_t capacity_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<T> values_;
-  std::int64_t dropped_ = 0;
   bool closed_ = false;
 };
 
