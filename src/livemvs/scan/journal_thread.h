@@ -27,6 +27,8 @@ class JournalThread final : public RecordSink {
 
   /// Whether a write failed: nothing is recorded any more.
   bool failed() const { return failed_; }
+  /// That failure, or null.
+  std::exception_ptr failure() const { return failed_ ? failure_ : nullptr; }
 
   /// Writes what is left and waits until it is on the disk. Nothing may be written afterwards.
   /// @throws Error where this write failed, or one before.

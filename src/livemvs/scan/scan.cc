@@ -121,7 +121,10 @@ void Scan::Loop(TrackingStage* stage, const Watch& watch) {
 void Scan::Process(TrackedFrame tracked) {
   ++frames_;
   last_pose_ = tracked.pose;
-  if (!result_.camera || !Same(*result_.camera, tracked.camera)) {
+  if (!last_pose_.problem.empty()) result_.tracking_problem = last_pose_.problem;
+  // A tracker that calibrates itself knows no intrinsics at first.
+  const bool known = tracked.camera.fx != 0;
+  if (known && !(result_.camera && Same(*result_.camera, tracked.camera))) {
     result_.camera = tracked.camera;
     Write(RecordType::kCamera, Encode(tracked.camera));
   }

@@ -48,6 +48,7 @@ struct ScanResult {
   std::optional<Camera> camera;      ///< As it was known at last.
   ReconstructionStatistics reconstruction;
   CaptureStatistics capture;
+  std::string tracking_problem;  ///< The latest, for people.
   std::size_t live_seeds = 0;
   std::string backend;
   double seconds = 0;
