@@ -58,5 +58,33 @@ TEST(BoardOrbitTest, PosesAgreeWithTheExactOnes) {
   EXPECT_LT(score.worst_pixel(), 2);
 }
 
+TEST(BoardOrbitTest, FindsTheFocalLengthItself) {
+  const auto folder = RealData("board-orbit");
+  if (folder.empty()) GTEST_SKIP() << "no recording 'board-orbit' (set LIVEMVS_DATA)";
+  DatasetOptions options;
+  options.data = folder;
+  const auto dataset = OpenDataset(options);
+  const auto tracker = MakeBoardTracker(Board(), std::nullopt);
+  TrackScore score;
+  while (const auto frame = dataset->Next()) {
+    const PoseEstimate e = tracker->Estimate(*frame->picture, frame->timestamp);
+    Rigid3d truth = frame->cam_from_world;
+    truth.translation += truth.rotation * Eigen::Vector3d(0, 0, kSheetHeight);
+    score.Add(e, frame->camera, truth, BoxAbove(Board(), 0.12));
+    if (score.frames() % 10 == 1) {
+      std::printf("%3d f %.2f k %.4f %.4f %s\n",
+                  score.frames() - 1,
+                  tracker->camera().fx,
+                  tracker->camera().distortion[0],
+                  tracker->camera().distortion[1],
+                  e.problem.c_str());
+    }
+  }
+  std::printf("%s\n", score.Summary().c_str());
+  const double expected = dataset->views()[0].camera.fx;
+  EXPECT_NEAR(tracker->camera().fx, expected, 0.01 * expected);
+  EXPECT_GT(score.tracked(), score.frames() * 3 / 4);
+}
+
 }  // namespace
 }  // namespace livemvs

@@ -7,6 +7,7 @@
 
 #include "livemvs/tracking/frame_pose.h"
 #include "livemvs/tracking/motion.h"
+#include "livemvs/tracking/self_calibration.h"
 
 namespace livemvs {
 namespace {
@@ -20,17 +21,23 @@ class BoardTracker : public PoseSource {
   BoardTracker(const Board& board, const std::optional<Camera>& camera, const TrackerOptions& o)
       : options_(o), poser_(board, o) {
     if (camera) camera_ = *camera;
+    calibrated_ = camera.has_value();
   }
 
   PoseEstimate Estimate(const Picture& picture, double timestamp) override {
     TakeSize(picture);
     const ImageView<std::uint8_t> image = picture.grey.view();
+    if (!projector_) return Calibrate(image);
     FrameResult result;
     if (const auto predicted = motion_.Predict(timestamp, options_.max_gap_seconds)) {
       result = poser_.Track(image, *projector_, *predicted);
     }
     if (!result.pose) result = poser_.Detect(image, *projector_);
-    return Report(result, timestamp);
+    const PoseEstimate estimate = Report(result, timestamp);
+    if (self_calibration_ && result.pose) {
+      UseCamera(self_calibration_->Update({result.pose->observations, result.pose->blur_px}));
+    }
+    return estimate;
   }
 
   Camera camera() const override { return camera_; }
@@ -49,7 +56,29 @@ class BoardTracker : public PoseSource {
           std::to_string(camera_.width) + " x " + std::to_string(camera_.height) +
           "; calibrate at the size that is filmed");
     }
-    if (!projector_) projector_.emplace(camera_);
+    if (projector_ || self_calibration_) return;
+    if (calibrated_) {
+      projector_.emplace(camera_);
+    } else {
+      self_calibration_.emplace(picture.width(), picture.height());
+    }
+  }
+
+  // Before the camera is known.
+  PoseEstimate Calibrate(ImageView<std::uint8_t> image) {
+    const std::vector<FoundCorner> corners = poser_.DetectCorners(image);
+    const CalibrationView view{poser_.search().Observations(corners), MotionBlur(corners)};
+    UseCamera(self_calibration_->Update(view));
+    PoseEstimate estimate;
+    estimate.observations = static_cast<int>(corners.size());
+    estimate.problem = self_calibration_->problem();
+    return estimate;
+  }
+
+  void UseCamera(const std::optional<Camera>& camera) {
+    if (!camera) return;
+    camera_ = *camera;
+    projector_.emplace(camera_);
   }
 
   PoseEstimate Report(const FrameResult& result, double timestamp) {
@@ -74,6 +103,8 @@ class BoardTracker : public PoseSource {
   TrackerOptions options_;
   FramePoser poser_;
   Camera camera_;
+  bool calibrated_ = false;  // from the start
+  std::optional<SelfCalibration> self_calibration_;
   std::optional<Projector> projector_;
   Motion motion_;
   bool seen_before_ = false;
@@ -95,7 +126,11 @@ std::unique_ptr<PoseSource> MakeBoardTracker(const Board& board,
                                              const TrackerOptions& options) {
   board.Check();
   options.Check();
-  Require(camera.has_value(), "a camera's intrinsics are needed");
+  if (camera) {
+    Camera checked = *camera;
+    if (checked.width == 0 && checked.height == 0) checked.width = checked.height = 1;
+    checked.Check();
+  }
   return std::make_unique<BoardTracker>(board, camera, options);
 }
 

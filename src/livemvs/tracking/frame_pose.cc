@@ -48,7 +48,10 @@ double AngleBetween(const Rigid3d& a, const Rigid3d& b) {
   return std::acos(std::clamp(c, -1.0, 1.0));
 }
 
-double MedianBlur(const std::vector<FoundCorner>& corners) {
+}  // namespace
+
+double MotionBlur(const std::vector<FoundCorner>& corners) {
+  if (corners.empty()) return 0;
   std::vector<double> blur;
   for (const FoundCorner& c : corners) blur.push_back(c.fit.blur_px);
   const auto middle = blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2);
@@ -57,8 +60,6 @@ double MedianBlur(const std::vector<FoundCorner>& corners) {
   constexpr double kSharp = 0.5;
   return std::sqrt(12 * std::max(0.0, *middle * *middle - kSharp * kSharp));
 }
-
-}  // namespace
 
 FramePoser::FramePoser(const Board& board, const TrackerOptions& options)
     : options_(options),
@@ -105,7 +106,7 @@ std::string FramePoser::Judge(ImageView<std::uint8_t> image,
   if (markers.read < kMinMarkers || 4 * markers.read < markers.different) {
     return "the board's markers cannot be read: moved too fast, or another board?";
   }
-  pose->blur_px = MedianBlur(pose->corners);
+  pose->blur_px = MotionBlur(pose->corners);
   return {};
 }
 

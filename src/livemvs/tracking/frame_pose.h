@@ -27,6 +27,10 @@ struct FrameResult {
   std::string problem;
 };
 
+/// How far the picture moved during the exposure, from the width of the edges; 0 without corners.
+/// [px]
+double MotionBlur(const std::vector<FoundCorner>& corners);
+
 /// Finds the pose of single pictures. Not thread-safe: the marker detector is not.
 class FramePoser {
  public:
