@@ -28,13 +28,17 @@ double UnixTime() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// The folder of a new scan; an older one is not touched.
-void MakeFolder(const fs::path& folder) {
+// An older scan is not touched.
+void CheckFolder(const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder / kJournalName, error)) {
     throw BadInput(folder.string() + ": holds a scan already; go on with it by --resume " +
                    folder.string() + ", or name another folder");
   }
+}
+
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
     throw BadInput(folder.string() + ": cannot be made: " + error.message());
@@ -206,9 +210,12 @@ void RunScan(ScanArguments args) {
     WriteScanResults(folder.path, args, SettingsOf(args, *before), &result);
     return;
   }
-  if (before == nullptr) MakeFolder(folder.path);
+  if (before == nullptr) CheckFolder(folder.path);
   ScanInput input = OpenScanInput(args, before);
-  if (before == nullptr && input.board) WriteBoard(folder.path / kBoardName, *input.board);
+  if (before == nullptr) {
+    MakeFolder(folder.path);
+    if (input.board) WriteBoard(folder.path / kBoardName, *input.board);
+  }
   ScanResult result = Film(args, folder, &input);
   RequirePoses(result, result.tracking_problem);
   try {

@@ -76,9 +76,12 @@ std::unique_ptr<FrameSource> OpenRecording(const fs::path& data) {
   if (videos.size() > 1) {
     throw BadInput(data.string() + ": holds several videos; name the one to use with --data");
   }
-  std::vector<fs::path> images = ListImages(data);
-  if (images.empty()) throw BadInput(data.string() + ": holds neither a video nor images");
-  return OpenImages(std::move(images));
+  for (const fs::path& folder : {data, data / "images", data / "rgb"}) {
+    if (!fs::is_directory(folder, error)) continue;
+    std::vector<fs::path> images = ListImages(folder);
+    if (!images.empty()) return OpenImages(std::move(images));
+  }
+  throw BadInput(data.string() + ": holds neither a video nor images");
 }
 
 // Intrinsics as given, else as found beside the data, else none: the tracker finds them.
