@@ -19,6 +19,7 @@ enum ExitCode {
 /// CLI::RuntimeError(exit code).
 void AddRunCommand(CLI::App& app);
 void AddScanCommand(CLI::App& app);
+void AddCamerasCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddSynthCommand(CLI::App& app);
 void AddEvalCommand(CLI::App& app);

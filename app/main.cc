@@ -38,6 +38,7 @@ int Main(int argc, char** argv) {
   app.footer("Run 'livemvs COMMAND --help' for a command's options and examples.");
   AddRunCommand(app);
   AddScanCommand(app);
+  AddCamerasCommand(app);
   AddInfoCommand(app);
   AddSynthCommand(app);
   AddEvalCommand(app);

@@ -21,7 +21,7 @@ template <typename Arguments, typename Visit>
 void VisitKept(Arguments& a, Visit&& visit) {
   visit("device", a.device);
   visit("mode", a.mode);
-  visit("controls", a.focus_lock);
+  visit("controls", a.controls);
   visit("data", a.data);
   visit("poses", a.poses);
   visit("images", a.images);
@@ -57,7 +57,7 @@ void AddSourceOptions(CLI::App* command, ScanArguments* args) {
   command->add_option("--mode", args->mode, "Mode of the camera, as 1280x720@30:mjpeg");
   command
       ->add_option("--controls",
-                   args->focus_lock,
+                   args->controls,
                    "lock (exposure, focus and white balance stay as they are) or auto")
       ->check(CLI::IsMember({"lock", "auto"}));
   command->add_option("--data", args->data, "Video, data set folder, FIFO, or - for a pipe");

@@ -13,9 +13,9 @@ namespace livemvs::app {
 /// What 'livemvs scan' is told. What decides the result is kept in the journal, so that a scan can
 /// be resumed by its folder alone.
 struct ScanArguments {
-  std::string device;      ///< Number or path of a camera; empty: `data` is used.
-  std::string mode;        ///< Of the camera: "1280x720@30:mjpeg"; empty: chosen.
-  std::string focus_lock;  ///< "lock" or "auto": exposure, focus and white balance.
+  std::string device;    ///< Number or path of a camera; empty: `data` is used.
+  std::string mode;      ///< Of the camera: "1280x720@30:mjpeg"; empty: chosen.
+  std::string controls;  ///< "lock" or "auto": exposure, focus and white balance.
   std::filesystem::path data;
   std::filesystem::path poses;
   std::filesystem::path images;

@@ -10,6 +10,7 @@
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
 #include "livemvs/io/calibration.h"
+#include "livemvs/io/camera_source.h"
 #include "livemvs/io/image_source.h"
 #include "livemvs/io/pipe_source.h"
 #include "livemvs/io/video_source.h"
@@ -164,6 +165,11 @@ void OpenPosed(const ScanArguments& args, const Replay* before, ScanInput* input
 std::unique_ptr<LiveSource> OpenPictures(const ScanArguments& args,
                                          const Replay* before,
                                          ScanInput* input) {
+  if (!args.device.empty()) {
+    input->live = true;
+    return OpenCamera(args.device,
+                      {.mode = ParseMode(args.mode), .lock_controls = args.controls == "lock"});
+  }
   if (IsPipe(args.data)) {
     input->live = true;
     return OpenPipe(args.data, PipeOptionsOf(args));
