@@ -44,6 +44,9 @@ int Main(int argc, char** argv) {
   AddEvalCommand(app);
   AddDepthCheckCommand(app);
   AddRenderCommand(app);
+  AddBoardCommand(app);
+  AddCalibrateCommand(app);
+  AddTrackCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& e) {

@@ -172,13 +172,20 @@ TEST_F(ScanProcess, KilledAtAnyMomentItLosesASecondAtMostAndGoesOn) {
 
 TEST_F(ScanProcess, SigtermFinishesItCleanly) {
   for (const int signal : {SIGTERM, SIGINT}) {
-    fs::remove_all(scan_);
-    Process process(ScanCommand({"--realtime"}));
-    ASSERT_TRUE(process.WaitFor("\"stage\":\"scan\""));
-    std::this_thread::sleep_for(milliseconds(1200));
-    process.Kill(signal);
-    EXPECT_EQ(process.Wait(), 130) << process.text();
-    EXPECT_NE(process.text().find("--resume"), std::string::npos) << process.text();
+    // On a busy machine the signal may come too late, after the end.
+    int code = 0;
+    std::string text;
+    for (int attempt = 0; attempt < 5 && code != 130; ++attempt) {
+      fs::remove_all(scan_);
+      Process process(ScanCommand({"--realtime"}));
+      ASSERT_TRUE(process.WaitFor("\"stage\":\"scan\""));
+      std::this_thread::sleep_for(milliseconds(1200));
+      process.Kill(signal);
+      code = process.Wait();
+      text = process.text();
+    }
+    EXPECT_EQ(code, 130) << text;
+    EXPECT_NE(text.find("--resume"), std::string::npos) << text;
     EXPECT_GT(ReadPly(scan_ / "cloud.ply").cloud.size(), 0U);
     const Replay replay = ReadJournal(scan_ / "journal.lmv").replay;
     ASSERT_TRUE(replay.end());
