@@ -1,13 +1,17 @@
 // 'livemvs scan' as a program that is killed, interrupted, or runs out of disk.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
@@ -16,6 +20,7 @@
 
 #include "livemvs/io/ply.h"
 #include "livemvs/io/tum.h"
+#include "livemvs/io/video_source.h"
 #include "livemvs/stream/replay.h"
 #include "livemvs/synth/export.h"
 #include "process.h"
@@ -271,6 +276,119 @@ TEST_F(ScanProcess, AFullTmpfsStopsItAndKeepsWhatIsThere) {
     ExpectStopsAndGoesOn(&full, &resume);
   }
   umount(disk.c_str());
+}
+
+// A rendered board with things on it, as a folder with video, board.json and intrinsics.
+fs::path BoardRecording(const fs::path& folder) {
+  Process synth({LIVEMVS_PROGRAM,
+                 "synth",
+                 "--scene",
+                 "board",
+                 "--frames",
+                 "60",
+                 "--arc",
+                 "30",
+                 "--size",
+                 "640x480",
+                 "--spp",
+                 "1",
+                 "--progress",
+                 "none",
+                 "-o",
+                 folder.string()});
+  EXPECT_EQ(synth.Wait(), 0) << synth.text();
+  return folder;
+}
+
+void Append(const Picture& picture, std::string* y4m) {
+  *y4m += "FRAME\n";
+  for (const auto* plane : {&picture.grey, &picture.cb, &picture.cr}) {
+    for (int y = 0; y < plane->height(); ++y) {
+      y4m->append(reinterpret_cast<const char*>(plane->Row(y)),
+                  static_cast<std::size_t>(plane->width()));
+    }
+  }
+}
+
+// Writes to a FIFO as a camera's program does, and goes away.
+void Send(const fs::path& fifo, const std::vector<std::string>& parts) {
+  const int fd = ::open(fifo.c_str(), O_WRONLY);
+  for (const std::string& part : parts) {
+    std::size_t done = 0;
+    while (done < part.size()) {
+      const ssize_t n = ::write(fd, part.data() + done, part.size() - done);
+      if (n <= 0) break;
+      done += static_cast<std::size_t>(n);
+    }
+    std::this_thread::sleep_for(milliseconds(30));
+  }
+  ::close(fd);
+}
+
+TEST_F(ScanProcess, ACameraThatGoesAwayInTheMiddleAndComesBack) {
+  std::signal(SIGPIPE, SIG_IGN);
+  const fs::path recording = BoardRecording(folder_ / "board");
+  const auto video = OpenVideo(recording / "video.mp4");
+  std::vector<std::string> first = {"YUV4MPEG2 W640 H480 F30:1 Ip C420\n"}, second = first;
+  while (const auto frame = video->Next()) {
+    std::string bytes;
+    Append(*frame->picture, &bytes);
+    (frame->index < 30 ? first : second).push_back(std::move(bytes));
+  }
+  ASSERT_EQ(second.size(), 31U);
+  first.push_back(second[1].substr(0, 1000));  // dies within a picture
+  const fs::path fifo = folder_ / "camera";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  Process scan({LIVEMVS_PROGRAM,
+                "scan",
+                "--data",
+                fifo.string(),
+                "--board",
+                (recording / "board.json").string(),
+                "--calibration",
+                (recording / "intrinsics.txt").string(),
+                "-o",
+                scan_.string(),
+                "--seeds",
+                "5000",
+                "--patience",
+                "2",
+                "--progress",
+                "json"});
+  Send(fifo, first);
+  EXPECT_TRUE(scan.WaitFor("camera lost")) << scan.text();
+  Send(fifo, second);
+  EXPECT_EQ(scan.Wait(), 0) << scan.text();
+  EXPECT_NE(scan.text().find("pictures come again"), std::string::npos) << scan.text();
+  EXPECT_NE(scan.text().find("did not come back"), std::string::npos) << scan.text();
+  std::ifstream in(scan_ / "statistics.json");
+  const nlohmann::json frames = nlohmann::json::parse(in).at("frames");
+  EXPECT_EQ(frames.at("tracked").get<int>() + frames.at("untracked").get<int>() +
+                frames.at("dropped").get<int>(),
+            60)
+      << frames;
+  EXPECT_EQ(frames.at("untracked"), 0) << frames;
+  EXPECT_GT(ReadPly(scan_ / "cloud.ply").cloud.size(), 100U);
+  // The scan was recorded on both sides of the gap.
+  const Replay replay = ReadJournal(scan_ / "journal.lmv").replay;
+  ASSERT_FALSE(replay.frames().empty());
+  EXPECT_EQ(replay.frames().front().index, 0);
+  EXPECT_EQ(replay.frames().back().index, 59);
+}
+
+TEST_F(ScanProcess, PicturesWithoutTheBoardEndWithAClearMessage) {
+  BoardRecording(folder_ / "board");
+  Process scan({LIVEMVS_PROGRAM,
+                "scan",
+                "--data",
+                Recording().string(),
+                "--board",
+                (folder_ / "board" / "board.json").string(),
+                "-o",
+                scan_.string()});
+  EXPECT_EQ(scan.Wait(), 3) << scan.text();
+  EXPECT_NE(scan.text().find("not seen"), std::string::npos) << scan.text();
+  EXPECT_FALSE(fs::exists(scan_ / "cloud.ply"));
 }
 
 TEST_F(ScanProcess, AScanThatWasCutOffBeforeItBeganIsNone) {
