@@ -22,7 +22,7 @@ namespace {
 
 /// Seeds that are prepared together, so that those with windows of like length are searched side by
 /// side.
-constexpr int kBlock = 512;
+constexpr int kBlock = 1024;
 static_assert(kBlock % kLanes == 0);
 
 /// A search radius that the seed's interval always cuts short [px].
@@ -52,6 +52,11 @@ struct BlockSearch {
   alignas(64) Column<float> status;    ///< A MatchStatus; kMatched while there is hope.
   alignas(64) Column<float> parallax;  ///< 1: far enough from the seed's frame to tell something.
   alignas(64) Column<float> score, runner_up, offset;  ///< See LineMatch.
+  /// Number of samples but two, at most kLongest; kIdle: there is nothing to search for.
+  alignas(64) Column<std::uint8_t> length;
+
+  // Ranges as long or longer, which only whole lines are, are not told apart.
+  static constexpr int kLongest = 62, kIdle = 63;
 };
 
 /// As many seeds as there are lanes, with their state. Lanes beyond `count` hold zeros.
@@ -79,7 +84,7 @@ struct SeedLanes {
     const Int fate = LoadBytes(s.fate + begin, count);
     Int lane;
     for (int l = 0; l < kLanes; ++l) lane[l] = l;
-    alive = {(fate == static_cast<int>(Fate::kAlive)) & (lane < count)};
+    alive = MaskFrom((fate == static_cast<int>(Fate::kAlive)) & (lane < count));
   }
 };
 
@@ -114,6 +119,12 @@ PredictedErrors PredictErrors(const UpdateJob& job, const TextureSums& texture) 
           options.match_bias_px * options.match_bias_px + slip * slip};
 }
 
+/// Fetches the patches of kLanes seeds; hardware does not foresee gathered loads.
+inline void PrefetchPatches(const std::uint8_t* patch) {
+  constexpr int kLine = 64;
+  for (int i = 0; i < kLanes * kPatchPixels; i += kLine) __builtin_prefetch(patch + i);
+}
+
 /// [VH11] Algorithm 1, step 2a: projects the rays and decides where along them to search. Writes
 /// entries [to, to + kLanes) of the block.
 template <typename Model>
@@ -121,6 +132,7 @@ void Prepare(const UpdateJob& job, std::size_t begin, std::size_t end, int to, B
   const Options& options = *job.options;
   const RelativeView<float>& view = job.group->view;
   const SeedLanes s(job.seeds, begin, end);
+  PrefetchPatches(job.seeds.patch + (begin + 2 * kLanes) * kPatchPixels);
   const Mask born = Everywhere(options.search != Search::kFull) | (s.counts.views > 0.0F);
   const auto p =
       ProjectSeed<Model>(view, options.coordinate, s.interval, s.bearing_x, s.bearing_y, s.q.mu);
@@ -168,6 +180,9 @@ void Prepare(const UpdateJob& job, std::size_t begin, std::size_t end, int to, B
   Store(errors.tau2_px, out->tau2_px + to);
   Store(errors.bias2_px, out->bias2_px + to);
   Store(status, out->status + to);
+  const Lanes length =
+      Select(matchable, Min(range.last - range.first, BlockSearch::kLongest), BlockSearch::kIdle);
+  StoreBytes(ToInt(length), out->length + to);
   Store(Select(p.visible & moves, 1.0F, 0.0F), out->parallax + to);
 }
 
@@ -175,16 +190,13 @@ void Prepare(const UpdateJob& job, std::size_t begin, std::size_t end, int to, B
 class SearchOrder {
  public:
   SearchOrder(const BlockSearch& block, int count) {
-    int start[kBuckets + 1] = {};
-    for (int i = 0; i < count; ++i) {
-      if (IsSearched(block, i)) ++start[Bucket(block, i) + 1];
-    }
-    for (int b = 0; b < kBuckets; ++b) start[b + 1] += start[b];
-    size_ = start[kBuckets];
-    const int long_ones = start[kBuckets - 1];
-    for (int i = 0; i < count; ++i) {
-      if (IsSearched(block, i)) entry_[start[Bucket(block, i)]++] = i;
-    }
+    constexpr int kLongest = BlockSearch::kLongest, kIdle = BlockSearch::kIdle;
+    int start[kIdle + 2] = {};  // of the stretch of entries with each length
+    for (int i = 0; i < count; ++i) ++start[block.length[i] + 1];
+    for (int b = 0; b <= kIdle; ++b) start[b + 1] += start[b];
+    size_ = start[kIdle];
+    const int long_ones = start[kLongest];
+    for (int i = 0; i < count; ++i) entry_[start[block.length[i]]++] = i;
     std::stable_sort(entry_ + long_ones, entry_ + size_, [&](int a, int b) {
       return block.last[a] - block.first[a] < block.last[b] - block.first[b];
     });
@@ -194,23 +206,13 @@ class SearchOrder {
 
   /// kLanes entries from `first` on; beyond the last, it is repeated.
   Int At(int first) const {
-    Int entry;
     if (first + kLanes <= size_) return LoadInt(entry_ + first);
+    Int entry;
     for (int l = 0; l < kLanes; ++l) entry[l] = entry_[std::min(first + l, size_ - 1)];
     return entry;
   }
 
  private:
-  // Ranges as long or longer, which only whole lines are, share the last bucket.
-  static constexpr int kBuckets = 64;
-
-  static bool IsSearched(const BlockSearch& block, int i) {
-    return block.status[i] == Number(MatchStatus::kMatched);
-  }
-  static int Bucket(const BlockSearch& block, int i) {
-    return std::min(static_cast<int>(block.last[i] - block.first[i]), kBuckets - 1);
-  }
-
   int size_;
   std::int32_t entry_[kBlock];
 };
@@ -303,9 +305,9 @@ void StoreState(const SeedLanes& was,
   store(q.b, was.q.b, s.b);
   const Int word = ToInt(counts.age) | (ToInt(counts.views) << 16) | (ToInt(counts.unseen) << 24);
   const Int old = LoadInt(s.counts + begin, n);
-  StoreInt((was.alive.bits & word) | (~was.alive.bits & old), s.counts + begin, n);
+  StoreInt(Select(was.alive, word, old), s.counts + begin, n);
   const Int old_fate = LoadBytes(s.fate + begin, n);
-  StoreBytes((was.alive.bits & ToInt(fate)) | (~was.alive.bits & old_fate), s.fate + begin, n);
+  StoreBytes(Select(was.alive, ToInt(fate), old_fate), s.fate + begin, n);
 }
 
 /// Number of seeds by MatchStatus.
