@@ -201,8 +201,8 @@ Agreement Compare(const Options& options,
 // border) may fall either way in float and double.
 constexpr double kTies = 0.003;
 // The kernels interpolate and multiply in integers of 16 bits (1/127 of a pixel, 1/32 of a grey
-// level): the vertex of the parabola through the scores moves by some thousandths of a pixel, and by
-// more where the maximum is flat. In standard deviations of the posterior, for all seeds and on
+// level): the vertex of the parabola through the scores moves by some thousandths of a pixel, and
+// by more where the maximum is flat. In standard deviations of the posterior, for all seeds and on
 // average.
 constexpr double kMuTolerance = 0.12;
 constexpr double kMeanMuTolerance = 0.003;
