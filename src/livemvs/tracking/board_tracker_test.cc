@@ -104,16 +104,36 @@ TEST(BoardTrackerTest, CalibratesItselfWithinOnePercent) {
   FilmOptions options = SomeFilm();
   options.camera.model = CameraModel::kBrownConrady;
   options.camera.distortion = {-0.1, 0.02};
+  options.samples = 4;
   const Film film(options);
   const auto tracker = MakeBoardTracker(options.board, std::nullopt);
   int tracked = 0;
-  for (int i = 0; i < 80; ++i) {
-    const PoseEstimate e = tracker->Estimate(film.Frame(3 * i).picture, i / 10.0);
+  for (int i = 0; i < 40; ++i) {
+    const PoseEstimate e = tracker->Estimate(film.Frame(6 * i).picture, i / 5.0);
     tracked += e.cam_from_world ? 1 : 0;
     EXPECT_TRUE(e.cam_from_world || e.problem.find("calibrat") != std::string::npos) << e.problem;
   }
-  EXPECT_GT(tracked, 40);
+  EXPECT_GT(tracked, 20);
   EXPECT_NEAR(tracker->camera().fx, options.camera.fx, 0.01 * options.camera.fx);
+}
+
+double ReadoutOf(double readout) {
+  FilmOptions options = SomeFilm();
+  options.path.wobble = 2;
+  options.readout = readout;
+  options.samples = 4;
+  const Film film(options);
+  const auto tracker = MakeBoardTracker(options.board, options.camera);
+  double found = 0;
+  for (int i = 0; i < 40; ++i) {
+    found = tracker->Estimate(film.Frame(i).picture, i / 30.0).rolling_readout;
+  }
+  return found;
+}
+
+TEST(BoardTrackerTest, SuspectsARollingShutterWhereThereIsOne) {
+  EXPECT_EQ(ReadoutOf(0), 0);
+  EXPECT_NEAR(ReadoutOf(0.6), 0.6, 0.15);
 }
 
 TEST(BoardTrackerTest, ArgumentsAreChecked) {
