@@ -1,7 +1,9 @@
 // Measures the tracker under the conditions of docs/tracking.md: a board filmed with distortion,
 // blur, noise, things on it, compression and decoys, every pose compared with the true one.
 //
-//   track_conditions [FRAMES [WIDTHxHEIGHT [CONDITION...]]]
+//   track_conditions [FRAMES [WIDTHxHEIGHT[xSAMPLES] [CONDITION...]]]
+//
+// SAMPLES per pixel (8; twice as many with blur) may be fewer where only wrong poses are counted.
 
 #include <algorithm>
 #include <cstdio>
@@ -47,8 +49,9 @@ FilmOptions With(FilmOptions film, const std::vector<double>& distortion) {
   return film;
 }
 
-std::vector<Condition> Conditions(int frames, int width, int height) {
-  const FilmOptions plain = Plain(frames, width, height);
+std::vector<Condition> Conditions(int frames, int width, int height, int samples) {
+  FilmOptions plain = Plain(frames, width, height);
+  plain.samples = samples;
   std::vector<Condition> all{{"plain", plain}};
   all.push_back({"distortion", With(plain, {-0.25, 0.08, 0.001, -0.0005})});
   all.push_back({"noise", plain});
@@ -56,7 +59,7 @@ std::vector<Condition> Conditions(int frames, int width, int height) {
   all.push_back({"blur", plain});
   all.back().film.shutter = 0.5;
   all.back().film.path.wobble = 3;
-  all.back().film.samples = 16;
+  all.back().film.samples = 2 * samples;
   all.push_back({"hidden", plain});
   all.back().film.hidden = 0.3;
   all.push_back({"compression", plain, 32});
@@ -64,7 +67,7 @@ std::vector<Condition> Conditions(int frames, int width, int height) {
   all.back().film.noise_sigma = 4;
   all.back().film.shutter = 0.5;
   all.back().film.path.wobble = 2;
-  all.back().film.samples = 16;
+  all.back().film.samples = 2 * samples;
   all.back().film.hidden = 0.3;
   all.push_back({"decoys", plain, 23});
   all.back().film.noise_sigma = 3;
@@ -146,10 +149,10 @@ void Measure(const Condition& condition) {
 
 int Main(int argc, char** argv) {
   const int frames = argc > 1 ? std::atoi(argv[1]) : 240;
-  int width = 960, height = 720;
-  if (argc > 2 && std::sscanf(argv[2], "%dx%d", &width, &height) != 2) return 2;
+  int width = 960, height = 720, samples = 8;
+  if (argc > 2 && std::sscanf(argv[2], "%dx%dx%d", &width, &height, &samples) < 2) return 2;
   const std::vector<std::string> wanted(argv + std::min(argc, 3), argv + argc);
-  for (const Condition& condition : Conditions(std::max(2, frames), width, height)) {
+  for (const Condition& condition : Conditions(std::max(2, frames), width, height, samples)) {
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), condition.name) != wanted.end()) {
       Measure(condition);
     }
