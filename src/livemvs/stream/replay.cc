@@ -30,11 +30,11 @@ bool Replay::TryApply(const Record& record) {
         end_.reset();
       });
     case RecordType::kCamera:
-      return Take(DecodeCamera(record.payload), [this](Camera m) { camera_ = m; });
+      return Take(DecodeCamera(record.payload), [this](const Camera& m) { camera_ = m; });
     case RecordType::kScene:
       return Take(DecodeScene(record.payload), [this](SceneMessage m) { scene_ = std::move(m); });
     case RecordType::kFrame:
-      return Take(DecodeFrame(record.payload), [this](FrameMessage m) { frames_.push_back(m); });
+      return Take(DecodeFrame(record.payload), [this](const FrameMessage& m) { frames_.push_back(m); });
     case RecordType::kPoints:
       return AddPoints(record);
     case RecordType::kPointsRefined:
