@@ -34,7 +34,8 @@ bool Replay::TryApply(const Record& record) {
     case RecordType::kScene:
       return Take(DecodeScene(record.payload), [this](SceneMessage m) { scene_ = std::move(m); });
     case RecordType::kFrame:
-      return Take(DecodeFrame(record.payload), [this](const FrameMessage& m) { frames_.push_back(m); });
+      return Take(DecodeFrame(record.payload),
+                  [this](const FrameMessage& m) { frames_.push_back(m); });
     case RecordType::kPoints:
       return AddPoints(record);
     case RecordType::kPointsRefined:
