@@ -105,7 +105,7 @@ check "the PDF is none" grep -q '^%PDF' "$work/a4.pdf"
 expect 2 "does not fit the page" "$program" board -o "$work/a4.json" --pdf "$work/a4.pdf" --square-mm 40
 expect 2 "fewer codes" "$program" board -o "$work/a4.json" --squares 40x40 --square-mm 5 --dictionary DICT_4X4_50
 expect 2 "COLUMNSxROWS" "$program" board -o "$work/a4.json" --squares twelve
-expect 0 "board.json" "$program" synth --scene sheet --frames 24 --arc 40 --size 640x480 --spp 2 --no-mesh -o "$work/sheet" \
+expect 0 "poses.txt" "$program" synth --scene sheet --frames 24 --arc 40 --size 640x480 --spp 2 --no-mesh -o "$work/sheet" \
   --progress none
 tracked=(--data "$work/sheet" --board "$work/sheet/board.json")
 expect 0 "tracked 24 of 24 frames" "$program" track "${tracked[@]}" -o "$work/poses.txt" --report "$work/frames.csv"
@@ -113,7 +113,7 @@ check "no TUM poses" test "$(grep -vc '^#' "$work/poses.txt")" -eq 24
 expect 0 "transforms.json" "$program" track "${tracked[@]}" -o "$work/transforms.json"
 expect 0 "colmap" "$program" track "${tracked[@]}" -o "$work/colmap" --camera-output "$work/camera.yaml"
 check "no COLMAP model" test -s "$work/colmap/images.txt"
-expect 0 "24 frames" "$program" info "$work/sheet/video.mp4" --poses "$work/poses.txt" --camera "$work/camera.yaml" --quick
+expect 0 "24" "$program" info "$work/sheet/video.mp4" --poses "$work/poses.txt" --camera "$work/camera.yaml" --quick
 expect 1 "no good calibration" "$program" calibrate "${tracked[@]}" -o "$work/refused.yaml"
 check "a refused calibration was written" test ! -e "$work/refused.yaml"
 expect 3 "board not seen" "$program" track --data "$sample" --board "$work/a4.json" -o "$work/none.txt"

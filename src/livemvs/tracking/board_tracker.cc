@@ -36,7 +36,7 @@ class BoardTracker : public PoseSource {
     if (!result.pose) result = poser_.Detect(image, *projector_);
     const PoseEstimate estimate = Report(result, timestamp);
     if (self_calibration_ && result.pose) {
-      UseCamera(self_calibration_->Update({result.pose->observations, result.pose->blur_px}));
+      Use(self_calibration_->Update({result.pose->observations, result.pose->blur_px}));
     }
     return estimate;
   }
@@ -58,10 +58,13 @@ class BoardTracker : public PoseSource {
           "; calibrate at the size that is filmed");
     }
     if (projector_ || self_calibration_) return;
-    if (calibrated_) {
-      projector_.emplace(camera_);
-    } else {
-      self_calibration_.emplace(picture.width(), picture.height());
+    if (calibrated_) projector_.emplace(camera_);
+    SelfCalibration::Task task;
+    if (calibrated_) task.given = camera_;
+    task.camera = !calibrated_ || options_.refine_camera;
+    task.bend = options_.refine_sheet;
+    if (task.camera || task.bend) {
+      self_calibration_.emplace(picture.width(), picture.height(), task);
     }
   }
 
@@ -69,17 +72,18 @@ class BoardTracker : public PoseSource {
   PoseEstimate Calibrate(ImageView<std::uint8_t> image) {
     const std::vector<FoundCorner> corners = poser_.DetectCorners(image);
     const CalibrationView view{poser_.search().Observations(corners), MotionBlur(corners)};
-    UseCamera(self_calibration_->Update(view));
+    Use(self_calibration_->Update(view));
     PoseEstimate estimate;
     estimate.observations = static_cast<int>(corners.size());
     estimate.problem = self_calibration_->problem();
     return estimate;
   }
 
-  void UseCamera(const std::optional<Camera>& camera) {
-    if (!camera) return;
-    camera_ = *camera;
+  void Use(const std::optional<Calibration>& calibration) {
+    if (!calibration) return;
+    camera_ = calibration->camera;
     projector_.emplace(camera_);
+    poser_.Bend(calibration->bend);
   }
 
   PoseEstimate Report(const FrameResult& result, double timestamp) {

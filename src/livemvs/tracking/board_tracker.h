@@ -16,6 +16,12 @@ struct TrackerOptions {
   double max_gap_seconds = 0.25;  ///< After a longer one nothing is predicted.
   int detect_width = 800;         ///< Pictures twice as wide are searched at half their size [px].
 
+  /// Improve a given calibration's focal length, k1 and k2 over key frames, in the background. A
+  /// camera that was not given is always improved.
+  bool refine_camera = false;
+  /// Estimate how the sheet is bent, likewise.
+  bool refine_sheet = false;
+
   void Check() const;  ///< @throws std::invalid_argument
 };
 

@@ -136,6 +136,20 @@ TEST(BoardTrackerTest, SuspectsARollingShutterWhereThereIsOne) {
   EXPECT_NEAR(ReadoutOf(0.6), 0.6, 0.15);
 }
 
+TEST(BoardTrackerTest, ImprovesAGivenCalibrationOverKeyFrames) {
+  FilmOptions options = SomeFilm();
+  options.samples = 4;
+  const Film film(options);
+  Camera given = options.camera;
+  given.fx = given.fy = 1.02 * options.camera.fx;
+  TrackerOptions tracking;
+  tracking.refine_camera = true;
+  tracking.refine_sheet = true;
+  const auto tracker = MakeBoardTracker(options.board, given, tracking);
+  for (int i = 0; i < 50; ++i) tracker->Estimate(film.Frame(5 * i).picture, i / 6.0);
+  EXPECT_NEAR(tracker->camera().fx, options.camera.fx, 0.005 * options.camera.fx);
+}
+
 TEST(BoardTrackerTest, ArgumentsAreChecked) {
   Camera camera = SyntheticCamera(640, 480);
   Board board;

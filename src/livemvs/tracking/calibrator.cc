@@ -151,6 +151,8 @@ std::vector<BundleView> Calibrator::PosedViews(const Camera& camera) const {
 // Level 0: the focal length; 1: with two terms of distortion; 2: all that is asked for.
 BundleOptions Calibrator::Freedom(int level) const {
   BundleOptions bundle;
+  bundle.bend = options_.bend && level == 2;
+  if (!options_.camera) return bundle;
   bundle.free[0] = bundle.free[1] = true;
   const bool fisheye = options_.model == CameraModel::kKannalaBrandt;
   const int all = fisheye ? 4 : options_.distortion_terms;
@@ -195,6 +197,7 @@ Calibration Calibrator::Solve(const std::optional<Camera>& start) const {
   out.camera = best.camera;
   out.rms_px = best.rms_px;
   out.sigma = best.sigma;
+  out.bend = best.bend;
   out.corners = best.inliers;
   out.view_rms_px = best.view_rms_px;
   for (const Rigid3d& pose : best.cam_from_world) {

@@ -14,6 +14,8 @@ namespace livemvs {
 struct CalibratorOptions {
   CameraModel model = CameraModel::kBrownConrady;  ///< Or kKannalaBrandt (fisheye).
   int distortion_terms = 5;      ///< Brown-Conrady: 0, 2 (k1 k2), 4 (and p1 p2) or 5 (and k3).
+  bool camera = true;            ///< Estimate the intrinsics.
+  bool bend = false;             ///< Estimate the sheet's bend.
   bool principal_point = true;   ///< Estimate it; else it is the middle of the picture.
   int min_views = 8;             ///< Fewer different views are refused.
   int max_views = 40;            ///< Of more, the most different ones are kept.
@@ -36,7 +38,8 @@ struct CalibrationView {
 struct Calibration {
   Camera camera;
   double rms_px = 0;
-  std::array<double, kIntrinsics> sigma{};  ///< Standard deviations, as in BundleResult.
+  std::array<double, kIntrinsics> sigma{};         ///< Standard deviations, as in BundleResult.
+  Eigen::Vector3d bend = Eigen::Vector3d::Zero();  ///< As in BundleResult.
   int views = 0;
   int corners = 0;  ///< In all views.
   std::vector<double> view_rms_px;

@@ -146,6 +146,13 @@ std::vector<FoundCorner> CornerSearch::FindByMarkers(ImageView<std::uint8_t> ima
   return Find(image, again, options);
 }
 
+void CornerSearch::Bend(const Eigen::Vector3d& bend) {
+  for (BoardCorner& corner : corners_) {
+    Eigen::Vector3d& p = corner.point;
+    p.z() = bend.dot(Eigen::Vector3d(p.x() * p.x(), p.x() * p.y(), p.y() * p.y()));
+  }
+}
+
 std::vector<PointObservation> CornerSearch::Observations(
     const std::vector<FoundCorner>& found) const {
   std::vector<PointObservation> observations;

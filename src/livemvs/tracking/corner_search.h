@@ -48,6 +48,9 @@ class CornerSearch {
   /// For FitPose.
   std::vector<PointObservation> Observations(const std::vector<FoundCorner>& found) const;
 
+  /// From here on the sheet is bent: z = bend · (x², x y, y²).
+  void Bend(const Eigen::Vector3d& bend);
+
   const std::vector<BoardCorner>& corners() const { return corners_; }
 
  private:

@@ -49,6 +49,9 @@ class FramePoser {
 
   const CornerSearch& search() const { return search_; }
 
+  /// As CornerSearch::Bend.
+  void Bend(const Eigen::Vector3d& bend) { search_.Bend(bend); }
+
  private:
   FrameResult Refine(ImageView<std::uint8_t> image,
                      const Projector& projector,

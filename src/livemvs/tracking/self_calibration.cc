@@ -10,8 +10,12 @@ constexpr int kViewsBetweenLater = 5;     // and before another improvement
 constexpr int kFramesToWait = 15;         // for the background's result
 constexpr double kGoodFocalSigma = 1e-4;  // where improving ends [relative]
 
-CalibratorOptions ForSelfCalibration() {
+CalibratorOptions OptionsFor(const SelfCalibration::Task& task) {
   CalibratorOptions options;
+  options.camera = task.camera;
+  options.bend = task.bend;
+  if (task.given && task.given->model == CameraModel::kKannalaBrandt)
+    options.model = task.given->model;
   options.distortion_terms = 2;
   options.principal_point = false;
   options.min_views = 6;
@@ -24,25 +28,35 @@ CalibratorOptions ForSelfCalibration() {
 
 }  // namespace
 
-SelfCalibration::SelfCalibration(int width, int height)
-    : calibrator_(width, height, ForSelfCalibration()),
-      problem_("board not seen; it is needed to calibrate the camera, too") {}
+SelfCalibration::SelfCalibration(int width, int height, const Task& task)
+    : task_(task),
+      calibrator_(width, height, OptionsFor(task)),
+      problem_("board not seen; it is needed to calibrate the camera, too") {
+  if (!task.given) return;
+  calibration_.emplace();
+  calibration_->camera = *task.given;
+  // A lens that was taken to have no distortion may have some.
+  CameraModel& model = calibration_->camera.model;
+  if (task.camera && model == CameraModel::kPinhole) model = CameraModel::kBrownConrady;
+}
 
-std::optional<Camera> SelfCalibration::Take(const Calibration& calibration) {
+std::optional<Calibration> SelfCalibration::Take(const Calibration& calibration) {
   if (!calibration.problem.empty()) {
     if (!calibration_) problem_ = "calibrating the camera: " + calibration.problem;
     return std::nullopt;
   }
   calibration_ = calibration;
-  finished_ = calibration.sigma[0] < kGoodFocalSigma * calibration.camera.fx;
-  return calibration.camera;
+  finished_ = task_.camera && calibration.sigma[0] < kGoodFocalSigma * calibration.camera.fx;
+  return calibration_;
 }
 
-std::optional<Camera> SelfCalibration::Update(const CalibrationView& view) {
+std::optional<Calibration> SelfCalibration::Update(CalibrationView view) {
   if (running_.valid()) {
     if (--frames_to_wait_ > 0) return std::nullopt;
     return Take(running_.get());
   }
+  // The bend is always estimated anew, from the flat sheet.
+  for (PointObservation& o : view.observations) o.point.z() = 0;
   if (finished_ || !calibrator_.Add(view)) return std::nullopt;
   ++added_;
   if (!calibration_) {

@@ -14,11 +14,18 @@ namespace livemvs {
 /// of frames later, so that a recording gives the same poses each time.
 class SelfCalibration {
  public:
-  SelfCalibration(int width, int height);
+  /// What is to be found. With a camera given, it is where improvement starts.
+  struct Task {
+    std::optional<Camera> given;
+    bool camera = true;
+    bool bend = false;
+  };
+
+  SelfCalibration(int width, int height, const Task& task);
 
   /// Takes the corners of the next frame (none: not seen).
-  /// @return A camera that is to be used from the next frame on, where there is a new one.
-  std::optional<Camera> Update(const CalibrationView& view);
+  /// @return What is to be used from the next frame on (camera and bend), where that is new.
+  std::optional<Calibration> Update(CalibrationView view);
 
   /// Why there is no camera yet, for people.
   const std::string& problem() const { return problem_; }
@@ -27,8 +34,9 @@ class SelfCalibration {
   const std::optional<Calibration>& calibration() const { return calibration_; }
 
  private:
-  std::optional<Camera> Take(const Calibration& calibration);
+  std::optional<Calibration> Take(const Calibration& calibration);
 
+  Task task_;
   Calibrator calibrator_;
   std::optional<Calibration> calibration_;
   std::string problem_;
