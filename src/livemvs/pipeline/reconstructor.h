@@ -57,7 +57,10 @@ class Reconstructor {
   /// All points so far; normals are directions towards the camera that planted the seed.
   const PointCloud& points() const { return points_; }
   /// Hands all points over; the reconstruction may go on, but no longer knows what they cover.
-  PointCloud TakePoints() { return std::exchange(points_, {}); }
+  PointCloud TakePoints() {
+    spawner_.Forget();
+    return std::exchange(points_, {});
+  }
   std::size_t live_seeds() const { return pool_.size(); }
   const ReconstructionStatistics& statistics() const { return statistics_; }
   std::string backend_name() const { return backend_->name(); }
@@ -83,7 +86,6 @@ class Reconstructor {
   std::unique_ptr<Backend> backend_;
   PointCloud points_;
   ReconstructionStatistics statistics_;
-  std::vector<SeedGroup> groups_;
   SeedObserver* observer_ = nullptr;
   std::int64_t last_frame_ = 0;  // index of the latest frame
 };

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "livemvs/backend/backend.h"
 #include "livemvs/backend/cpu/kernels.h"
@@ -11,31 +13,55 @@
 namespace livemvs {
 
 #if defined(__x86_64__)
+namespace avx512vnni {
+UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace avx512vnni
 namespace avx512 {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-}
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace avx512
 namespace avx2 {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-}
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace avx2
 #endif
 namespace portable {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-}
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace portable
 
 std::vector<NamedKernel> UsableKernels() {
   std::vector<NamedKernel> kernels;
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
-    kernels.push_back({"AVX-512", avx512::Update});
+    if (__builtin_cpu_supports("avx512vnni")) {
+      kernels.push_back({"AVX-512 VNNI", avx512vnni::Update, avx512vnni::Mark});
+    }
+    kernels.push_back({"AVX-512", avx512::Update, avx512::Mark});
   }
-  if (__builtin_cpu_supports("avx2")) kernels.push_back({"AVX2", avx2::Update});
+  if (__builtin_cpu_supports("avx2")) kernels.push_back({"AVX2", avx2::Update, avx2::Mark});
 #endif
-  kernels.push_back({"portable", portable::Update});
+  kernels.push_back({"portable", portable::Update, portable::Mark});
   return kernels;
 }
 
 namespace {
+
+// The kernel that the environment asks for, or else the fastest.
+NamedKernel ChooseKernel() {
+  const std::vector<NamedKernel> kernels = UsableKernels();
+  const char* wanted = std::getenv(kInstructionsVariable);
+  if (wanted == nullptr || *wanted == 0) return kernels.front();
+  std::string usable;
+  for (const NamedKernel& kernel : kernels) {
+    if (std::string_view(kernel.name) == wanted) return kernel;
+    usable += std::string(usable.empty() ? "" : ", ") + kernel.name;
+  }
+  throw std::invalid_argument(std::string(kInstructionsVariable) + "=" + wanted +
+                              ": this processor can run " + usable);
+}
 
 // Seeds per task: enough to amortise the scheduler, few enough to balance two cores.
 constexpr std::size_t kSeedsPerTask = 2048;
@@ -51,7 +77,7 @@ class CpuBackend final : public Backend {
   explicit CpuBackend(const Options& options)
       : options_(options),
         is_outlier_(options.eta_outlier, options.outlier_certainty),
-        kernel_(UsableKernels().front()) {}
+        kernel_(ChooseKernel()) {}
 
   std::string name() const override { return std::string("CPU, ") + kernel_.name; }
 
@@ -87,6 +113,21 @@ class CpuBackend final : public Backend {
     UpdateStatistics sum;
     for (const UpdateStatistics& r : results_) sum += r;
     return sum;
+  }
+
+  void MarkPlaces(const SeedColumns& seeds,
+                  const std::vector<SeedGroup>& groups,
+                  CameraModel model,
+                  std::span<Image<std::uint8_t>> marks) override {
+    for (const SeedGroup& group : groups) {
+      Image<std::uint8_t>& picture = marks[static_cast<std::size_t>(group.level)];
+      const MarkJob job = {
+          options_.coordinate, seeds, &group, model, picture.Row(0), picture.stride()};
+      ParallelForRange(
+          group.begin, group.end, kSeedsPerTask, [&](std::size_t first, std::size_t last) {
+            kernel_.mark(job, first, last);
+          });
+    }
   }
 
  private:
