@@ -208,7 +208,7 @@ PointMap::Outcome PointMap::InsertStored(const StoredPoint& stored, const Cell& 
   if (!replaces && id == MapEntry::kNoId) id = next_id_++;
   added.id = id;
   MapBlock* block = BlockFor(cell);
-  block->Add(
+  const StoredPoint* at = block->Add(
       cell.at.x() & kCellMask, cell.at.y() & kCellMask, cell.at.z() & kCellMask, added, &arena_);
   ++level_points_[cell.level];
   ++size_;
