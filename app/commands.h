@@ -23,5 +23,6 @@ void AddSynthCommand(CLI::App& app);
 void AddEvalCommand(CLI::App& app);
 void AddDepthCheckCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 
 }  // namespace livemvs::app

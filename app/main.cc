@@ -42,6 +42,7 @@ int Main(int argc, char** argv) {
   AddEvalCommand(app);
   AddDepthCheckCommand(app);
   AddRenderCommand(app);
+  AddViewCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& e) {

@@ -5,15 +5,19 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "commands.h"
 #include "dataset_options.h"
 #include "interrupt.h"
+#include "live_view.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
 #include "livemvs/io/atomic_file.h"
@@ -50,6 +54,8 @@ struct RunArguments {
   int threads = 0;
   std::string progress = "auto";
   bool ray_normals = false;
+  bool real_time = false;
+  ViewOptions view;
 };
 
 double SecondsSince(Clock::time_point start) {
@@ -185,15 +191,20 @@ nlohmann::json StatisticsJson(const RunArguments& args,
   return json;
 }
 
+// Is told of each frame and what converged in it; false ends the run there.
+using FrameHook = std::function<bool(const PosedFrame&, std::span<const Point>)>;
+
 // Feeds all frames. Where something fails on the way, what was reconstructed is kept and the
 // failure returned, to be reported once it is written.
 std::exception_ptr Reconstruct(Prefetcher* frames,
                                std::int64_t frame_count,
                                Progress* progress,
-                               Reconstructor* reconstructor) {
+                               Reconstructor* reconstructor,
+                               const FrameHook& after_frame) {
   try {
     while (const std::optional<PosedFrame> frame = frames->Next(Interrupted)) {
-      reconstructor->AddFrame(*frame);
+      const std::span<const Point> converged = reconstructor->AddFrame(*frame);
+      if (!after_frame(*frame, converged)) break;
       progress->Show({"reconstruct",
                       reconstructor->statistics().frames,
                       frame_count,
@@ -205,6 +216,76 @@ std::exception_ptr Reconstruct(Prefetcher* frames,
     return std::current_exception();
   }
   return nullptr;
+}
+
+// Waits until the frame's time has come, so that a recording plays as it was filmed.
+class Pacer {
+ public:
+  void Wait(double timestamp) {
+    if (!first_) first_ = timestamp;
+    const auto due = start_ + std::chrono::duration_cast<Clock::duration>(
+                                  std::chrono::duration<double>(timestamp - *first_));
+    while (Clock::now() < due && !Interrupted()) {
+      std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));
+    }
+  }
+
+ private:
+  Clock::time_point start_ = Clock::now();
+  std::optional<double> first_;
+};
+
+// The viewer of a run, which has begun its stream.
+std::unique_ptr<LiveView> OpenView(const RunArguments& args,
+                                   const Options& options,
+                                   const SceneRange& range,
+                                   const Dataset& dataset) {
+  if (!args.view.view) return nullptr;
+  viewer::FeedOptions feed;
+  feed.engine = options;
+  auto view = std::make_unique<LiveView>(args.view, args.dataset.data.filename().string(), feed);
+  SessionMessage session;
+  session.json =
+      nlohmann::json(
+          {{"program", "livemvs run"}, {"source", dataset.description()}, {"preset", args.preset}})
+          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  view->feed().Begin(session, SceneMessage{range.box, range.near, range.far, range.origin});
+  return view;
+}
+
+FrameHook MakeFrameHook(const RunArguments& args,
+                        std::int64_t frame_count,
+                        const Reconstructor& reconstructor,
+                        LiveView* view) {
+  auto pacer = std::make_shared<Pacer>();
+  return [&args, frame_count, &reconstructor, view, pacer](const PosedFrame& frame,
+                                                           std::span<const Point> converged) {
+    if (args.real_time) pacer->Wait(frame.timestamp);
+    if (view == nullptr) return true;
+    viewer::LiveCounts counts;
+    counts.frames = reconstructor.statistics().frames;
+    counts.frames_total = frame_count;
+    counts.seeds = static_cast<std::int64_t>(reconstructor.live_seeds());
+    counts.points = static_cast<std::int64_t>(reconstructor.points().size());
+    view->feed().AddFrame(frame, converged, counts, &reconstructor.pool());
+    view->WaitWhilePaused(Interrupted);
+    return !view->finish_asked();
+  };
+}
+
+// Tells the viewer how the run ended; it stays open until it is told to end.
+void CloseView(const Reconstructor& reconstructor,
+               std::size_t points,
+               std::exception_ptr failure,
+               LiveView* view) {
+  if (view == nullptr) return;
+  EndMessage end;
+  end.frames = reconstructor.statistics().frames;
+  end.points = static_cast<std::int64_t>(points);
+  if (Interrupted()) end.reason = EndMessage::kInterrupted;
+  if (failure) end.reason = EndMessage::kFailed;
+  view->feed().End(end);
+  if (!failure) view->Linger(Interrupted);
 }
 
 // Writes what became of each seed, where that was asked for.
@@ -291,6 +372,7 @@ void Run(const RunArguments& args) {
   const Options options = FitToData(MakeOptions(args), *dataset, range);
 
   Reconstructor reconstructor(options, range);
+  const std::unique_ptr<LiveView> view = OpenView(args, options, range, *dataset);
   std::optional<TraceObserver> trace;
   if (!args.trace.empty()) reconstructor.SetObserver(&trace.emplace(args.trace));
   Progress progress(progress_mode);
@@ -299,8 +381,12 @@ void Run(const RunArguments& args) {
   std::exception_ptr failure;
   {
     Prefetcher frames(dataset.get());
-    failure = Reconstruct(
-        &frames, static_cast<std::int64_t>(dataset->views().size()), &progress, &reconstructor);
+    const auto frame_count = static_cast<std::int64_t>(dataset->views().size());
+    failure = Reconstruct(&frames,
+                          frame_count,
+                          &progress,
+                          &reconstructor,
+                          MakeFrameHook(args, frame_count, reconstructor, view.get()));
     frame_statistics = frames.statistics();
   }
   progress.Finish();
@@ -328,13 +414,15 @@ void Run(const RunArguments& args) {
               statistics["frames_per_second"].get<double>());
   std::printf("%s\n", fs::absolute(args.output).c_str());
   if (!args.stats.empty()) WriteStatistics(args.stats, statistics);
+  const bool interrupted = Interrupted();
+  CloseView(reconstructor, cloud.size(), failure, view.get());
   if (failure) std::rethrow_exception(failure);
   if (trace) {
     reconstructor.ReportLiveSeeds();
     trace->Finish();
     std::printf("%s\n", fs::absolute(args.trace).c_str());
   }
-  if (Interrupted()) throw CLI::RuntimeError(kExitInterrupted);
+  if (interrupted) throw CLI::RuntimeError(kExitInterrupted);
 }
 
 }  // namespace
@@ -365,6 +453,8 @@ void AddRunCommand(CLI::App& app) {
   command->add_flag("--ray-normals",
                     args->ray_normals,
                     "Write viewing directions as normals, instead of estimating planes");
+  command->add_flag("--real-time", args->real_time, "Take the frames as fast as they were filmed");
+  AddViewOptions(command, &args->view);
   command->add_option("--progress", args->progress, "auto, line, json or none");
   command->footer(
       "Examples:\n"
@@ -372,6 +462,7 @@ void AddRunCommand(CLI::App& app) {
       "  livemvs run --data video.mp4 --poses poses.txt --camera camera.yaml -o scan.ply\n"
       "  livemvs run --data scan/ --box -0.2 -0.2 0 0.2 0.2 0.3 --stats scan.json -o scan.ply\n"
       "  livemvs run --data scan/ --preset paper -o paper.ply\n"
+      "  livemvs run --data scan/ --view -o scan.ply\n"
       "  livemvs run --data photos/ --search full -o photos.ply\n"
       "  livemvs run --data scene/ --trace scene.trace -o scene.ply    (see 'livemvs eval "
       "--help')\n\n"

@@ -59,6 +59,8 @@ class Reconstructor {
   /// Hands all points over; the reconstruction may go on, but no longer knows what they cover.
   PointCloud TakePoints() { return std::exchange(points_, {}); }
   std::size_t live_seeds() const { return pool_.size(); }
+  /// The live seeds, until the next call of AddFrame(): for looking at them.
+  const SeedPool& pool() const { return pool_; }
   const ReconstructionStatistics& statistics() const { return statistics_; }
   std::string backend_name() const { return backend_->name(); }
 
