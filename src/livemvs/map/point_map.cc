@@ -18,8 +18,12 @@ constexpr float kMostCells = static_cast<float>((BlockKey::kOffset - 1) * MapBlo
 // one surface seen from different distances.
 constexpr int kReach = 2;
 
-// A cell is at least this many sigmas wide, so that a surface does not scatter over several.
-constexpr float kSigmasInCell = 6;
+// A cell is at least this many sigmas wide ...
+constexpr float kSigmasInCell = 2;
+
+// ... and a point is also looked for this many sigmas before and behind, along the ray that
+// measured it: that is where noise puts it.
+constexpr float kSigmasAlongRay = 2.5F;
 
 // A point of a neighbouring cell stands for a new one nearer than this many cells: a surface that
 // only clips a cell's corner is its neighbour's.
@@ -156,6 +160,23 @@ void PointMap::VisitOctant(const Cell& cell, const Eigen::Vector3f& position, F&
   }
 }
 
+// The occupants of the cells that the point's ray passes within its uncertainty.
+template <typename F>
+void PointMap::VisitAlongRay(const Cell& cell, const StoredPoint& stored, F&& f) const {
+  const float width = Width(cell.level);
+  const float reach = kSigmasAlongRay / std::sqrt(stored.weight);
+  const Eigen::Vector3f ray = DecodeNormal(stored.normal);
+  for (float along = width; along < reach + width; along += width) {
+    for (const float signed_along : {along, -along}) {
+      Cell other;
+      const float step = std::clamp(signed_along, -reach, reach);
+      if (!CellOf(stored.position + step * ray, cell.level, &other)) continue;
+      if (other.at == cell.at) continue;
+      if (StoredPoint* occupant = OccupantOf(other)) f(occupant);
+    }
+  }
+}
+
 // The points of finer levels that lie in the cell.
 template <typename F>
 void PointMap::VisitFiner(const Cell& cell, F&& f) const {
@@ -235,6 +256,8 @@ StoredPoint* PointMap::FindSame(const Cell& cell, const StoredPoint& stored, boo
   VisitOctant(cell, stored.position, keep_nearest);
   if (nearest != nullptr) return nearest;
   least = std::numeric_limits<float>::max();
+  VisitAlongRay(cell, stored, keep_nearest);
+  if (nearest != nullptr) return nearest;
   VisitFiner(cell, keep_nearest);
   return nearest;
 }

@@ -115,6 +115,8 @@ class PointMap {
   template <typename F>
   void VisitOctant(const Cell& cell, const Eigen::Vector3f& position, F&& f) const;
   template <typename F>
+  void VisitAlongRay(const Cell& cell, const StoredPoint& stored, F&& f) const;
+  template <typename F>
   void VisitFiner(const Cell& cell, F&& f) const;
 
   struct Outcome {

@@ -76,7 +76,7 @@ void main() {
 }`;
 
 // Cells of the map are about two pixels of the camera apart; a little more closes the surface.
-const SPLAT_WIDTHS = 2.6;
+const SPLAT_WIDTHS = 3.4;
 
 export class Splats {
   readonly group = new THREE.Group();
