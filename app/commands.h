@@ -18,6 +18,8 @@ enum ExitCode {
 /// work; it reports failures by throwing livemvs::Error, std::invalid_argument or
 /// CLI::RuntimeError(exit code).
 void AddRunCommand(CLI::App& app);
+void AddScanCommand(CLI::App& app);
+void AddCamerasCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddSynthCommand(CLI::App& app);
 void AddEvalCommand(CLI::App& app);

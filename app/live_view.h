@@ -48,6 +48,7 @@ class LiveView {
   LiveView(const ViewOptions& options, const std::string& title, const viewer::FeedOptions& feed);
 
   viewer::Feed& feed() { return feed_; }
+  viewer::StreamLog& log() { return log_; }
   /// Waits while the page says pause, unless `cancelled`.
   void WaitWhilePaused(bool (*cancelled)());
   bool finish_asked() const { return finish_; }

@@ -37,6 +37,8 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Run 'livemvs COMMAND --help' for a command's options and examples.");
   AddRunCommand(app);
+  AddScanCommand(app);
+  AddCamerasCommand(app);
   AddInfoCommand(app);
   AddSynthCommand(app);
   AddEvalCommand(app);

@@ -59,7 +59,10 @@ void Progress::Print(const ProgressState& state) {
                            {"seeds", state.seeds},
                            {"points", state.points}};
     if (eta >= 0) line["eta_s"] = eta;
-    std::fprintf(stderr, "%s\n", line.dump().c_str());
+    if (!state.note.empty()) line["note"] = state.note;
+    std::fprintf(stderr,
+                 "%s\n",
+                 line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else if (mode_ == ProgressMode::kLine) {
     const std::string total = state.total > 0 ? "/" + std::to_string(state.total) : "";
     std::fprintf(stderr,
@@ -71,6 +74,7 @@ void Progress::Print(const ProgressState& state) {
                  static_cast<long long>(state.seeds),
                  static_cast<long long>(state.points));
     if (eta >= 0) std::fprintf(stderr, ", %.0f s left", eta);
+    if (!state.note.empty()) std::fprintf(stderr, " - %s", state.note.c_str());
     std::fputs("\x1b[K", stderr);
     std::fflush(stderr);
     open_line_ = true;

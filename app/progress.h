@@ -18,6 +18,7 @@ struct ProgressState {
   std::int64_t total = 0;  ///< Frames, or 0 where unknown.
   std::int64_t seeds = 0;
   std::int64_t points = 0;
+  std::string note;  ///< What else there is to say; may be empty.
 };
 
 /// Shows progress on standard error, at most a few times a second.

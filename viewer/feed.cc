@@ -108,7 +108,7 @@ void Feed::End(const EndMessage& end) {
   changed_.notify_one();
   if (thread_.joinable()) thread_.join();
   thread_ = std::thread([] {});  // for the destructor
-  log_->Append(RecordType::kEnd, Encode(end));
+  if (options_.records) log_->Append(RecordType::kEnd, Encode(end));
 }
 
 std::size_t Feed::map_points() const {
@@ -140,6 +140,14 @@ void Feed::Run() {
 }
 
 void Feed::SendFrame(const Pending& frame) {
+  for (const Point& point : frame.points) {
+    if (recent_.size() < kRecentPoints) {
+      recent_.push_back(point);
+    } else {
+      recent_[recent_next_++ % kRecentPoints] = point;
+    }
+  }
+  if (!options_.records) return;
   if (!sent_camera_ || !SameCamera(*sent_camera_, frame.camera)) {
     sent_camera_ = frame.camera;
     log_->Append(RecordType::kCamera, Encode(frame.camera));
@@ -147,13 +155,6 @@ void Feed::SendFrame(const Pending& frame) {
   log_->Append(RecordType::kFrame, Encode(frame.message));
   for (const PointCloud& group : GroupForStream(frame.points)) {
     SendPoints(frame.message.index, group);
-  }
-  for (const Point& point : frame.points) {
-    if (recent_.size() < kRecentPoints) {
-      recent_.push_back(point);
-    } else {
-      recent_[recent_next_++ % kRecentPoints] = point;
-    }
   }
 }
 
@@ -229,19 +230,20 @@ void Feed::SendLive(const LiveCounts& counts,
                     const std::deque<Pending>& frames) {
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
   const double rate = elapsed > 0 ? static_cast<double>(counts.frames) / elapsed : 0;
-  nlohmann::json json = {{"state", state},
-                         {"unix_time", UnixTime()},
-                         {"frames", counts.frames},
-                         {"frames_total", counts.frames_total},
-                         {"frames_dropped", counts.frames_dropped},
-                         {"frames_per_second", rate},
-                         {"seeds", counts.seeds},
-                         {"points", map_.size()},
-                         {"converged", counts.points},
-                         {"motion_px", motion_px_},
-                         {"window_px", options_.engine.search_radius_px},
-                         {"sharpness", usual_sharpness_ > 0 ? sharpness_ / usual_sharpness_ : 1},
-                         {"elapsed_s", elapsed}};
+  nlohmann::json json = {
+      {"state", state},
+      {"unix_time", UnixTime()},
+      {"frames", counts.frames},
+      {"frames_total", counts.frames_total},
+      {"frames_dropped", counts.frames_dropped},
+      {"frames_per_second", rate},
+      {"seeds", counts.seeds},
+      {"points", options_.records ? static_cast<std::int64_t>(map_.size()) : counts.points},
+      {"converged", counts.points},
+      {"motion_px", motion_px_},
+      {"window_px", options_.engine.search_radius_px},
+      {"sharpness", usual_sharpness_ > 0 ? sharpness_ / usual_sharpness_ : 1},
+      {"elapsed_s", elapsed}};
   if (counts.frames_total > counts.frames && rate > 0) {
     json["eta_s"] = static_cast<double>(counts.frames_total - counts.frames) / rate;
   }

@@ -27,6 +27,7 @@ struct FeedOptions {
   double most_hz = 30;       ///< The stream is written at most so often [1/s].
   double preview_hz = 8;     ///< The camera's picture, likewise [1/s].
   int preview_width = 480;   ///< [px]
+  bool records = true;       ///< Frames and points, too; false: somebody else writes them.
   std::size_t marks = 1500;  ///< Seeds and points marked on the picture.
   PointMapOptions map;
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "livemvs/stream/record.h"
+#include "livemvs/stream/record_sink.h"
 
 namespace livemvs::viewer {
 
@@ -26,7 +27,7 @@ inline constexpr std::uint32_t kUnnumbered = 0xFFFFFFFFU;
 /// The stream as viewers get it: all records so far, numbered, and the latest picture and counts,
 /// each of which takes the place of the one before. Writers never wait for readers, and readers
 /// keep a number instead of a queue: a slow one costs no memory. Thread-safe.
-class StreamLog {
+class StreamLog final : public RecordSink {
  public:
   /// What a reader has had.
   struct Cursor {
@@ -39,6 +40,9 @@ class StreamLog {
 
   /// Adds a record under the next number.
   void Append(RecordType type, std::span<const std::uint8_t> payload);
+  void Write(RecordType type, std::span<const std::uint8_t> payload) override {
+    Append(type, payload);
+  }
   void SetPreview(std::span<const std::uint8_t> payload);
   void SetLive(const std::string& json);
 

@@ -14,6 +14,11 @@ namespace livemvs {
 /// @throws Error (kBadInput) naming file, place and remedy.
 Camera ReadOpenCvYaml(const std::filesystem::path& file);
 
+/// Writes a camera so that ReadOpenCvYaml() and OpenCV read it; a pinhole camera has distortion
+/// coefficients 0. The file appears whole or not at all.
+/// @throws Error (kOutOfResource) where it cannot be written.
+void WriteOpenCvYaml(const std::filesystem::path& file, const Camera& camera);
+
 /// Reads "fx fy cx cy [width height]" (integer pixel centres) from the first line of a text file.
 Camera ReadIntrinsicsText(const std::filesystem::path& file);
 

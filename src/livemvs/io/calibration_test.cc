@@ -90,5 +90,37 @@ TEST(CalibrationTest, HostileYamlIsAnErrorNotACrash) {
   EXPECT_THAT(YamlError("%YAML:1.0"), HasSubstr("camera.yaml"));
 }
 
+TEST(CalibrationTest, WhatIsWrittenReadsAsTheSameCamera) {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = 500.1;
+  camera.fy = 501.2;
+  camera.cx = 319.3;
+  camera.cy = 239.4;
+  const fs::path file = FreshFolder("data") / "camera.yaml";
+  for (const CameraModel model : {CameraModel::kBrownConrady, CameraModel::kKannalaBrandt}) {
+    camera.model = model;
+    for (const int coefficients : {0, 4, 5, 8}) {
+      if (model == CameraModel::kKannalaBrandt && coefficients > 4) continue;
+      camera.distortion = {};
+      for (int i = 0; i < coefficients; ++i) camera.distortion[i] = 0.01 * (i + 1) / 3;
+      WriteOpenCvYaml(file, camera);
+      const Camera back = ReadOpenCvYaml(file);
+      // Without distortion a Brown–Conrady camera is a pinhole camera.
+      if (coefficients > 0) {
+        EXPECT_EQ(back.model, camera.model);
+      }
+      EXPECT_EQ(back.width, 640);
+      EXPECT_EQ(back.height, 480);
+      EXPECT_EQ(back.fx, camera.fx);
+      EXPECT_EQ(back.fy, camera.fy);
+      EXPECT_EQ(back.cx, camera.cx);
+      EXPECT_EQ(back.cy, camera.cy);
+      EXPECT_EQ(back.distortion, camera.distortion);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace livemvs

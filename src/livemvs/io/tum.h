@@ -34,6 +34,20 @@ class Trajectory {
 /// @throws Error (kBadInput) naming file, line and remedy.
 Trajectory ReadTumTrajectory(const std::filesystem::path& file, PoseConvention convention);
 
+/// A pose and when it was. [s]
+struct StampedPose {
+  double time = 0;
+  Rigid3d cam_from_world;
+};
+
+/// Writes rows `time tx ty tz qx qy qz qw` of world_from_cam, as ReadTumTrajectory() reads them.
+/// The file appears whole or not at all.
+/// @param comment  Its first line, after "# ".
+/// @throws Error (kOutOfResource) where it cannot be written.
+void WriteTumTrajectory(const std::filesystem::path& file,
+                        const std::vector<StampedPose>& poses,
+                        const std::string& comment);
+
 /// Reads a data set in the form of the TUM benchmark: rgb.txt, groundtruth.txt (or trajectory.txt)
 /// and a calibration (camera.yaml, or `camera`, as in DatasetOptions). Images without a pose at
 /// their time are left out and counted.

@@ -106,5 +106,24 @@ TEST_F(BrokenTumTest, ErrorsNameFileLineAndReason) {
   EXPECT_THAT(OpenError(folder), HasSubstr("groundtruth.txt"));
 }
 
+TEST(TrajectoryTest, WhatIsWrittenReadsAsTheSamePoses) {
+  const TestScene scene = MakeTestScene(BrownConradyCamera());
+  const fs::path file = FreshFolder("data") / "poses.txt";
+  std::vector<StampedPose> poses;
+  for (std::size_t v = 0; v < scene.size(); ++v) {
+    poses.push_back({0.04 * static_cast<double>(v), scene.cam_from_world[v]});
+  }
+  WriteTumTrajectory(file, poses, "a test");
+  const Trajectory back = ReadTumTrajectory(file, PoseConvention::kAuto);
+  ASSERT_EQ(back.size(), poses.size());
+  constexpr double kDigits = 1e-7;  // of nine
+  for (const StampedPose& pose : poses) {
+    const auto read = back.At(pose.time);
+    ASSERT_TRUE(read);
+    EXPECT_LT((read->rotation - pose.cam_from_world.rotation).norm(), kDigits);
+    EXPECT_LT((read->translation - pose.cam_from_world.translation).norm(), kDigits);
+  }
+}
+
 }  // namespace
 }  // namespace livemvs

@@ -58,6 +58,8 @@ class Reconstructor {
   const PointCloud& points() const { return points_; }
   /// Hands all points over; the reconstruction may go on, but no longer knows what they cover.
   PointCloud TakePoints() { return std::exchange(points_, {}); }
+  /// Takes the points of an earlier run over: what they cover needs no seeds. Before any frame.
+  void Restore(PointCloud points) { points_ = std::move(points); }
   std::size_t live_seeds() const { return pool_.size(); }
   /// The live seeds, until the next call of AddFrame(): for looking at them.
   const SeedPool& pool() const { return pool_; }

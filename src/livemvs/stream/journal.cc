@@ -1,6 +1,7 @@
 #include "livemvs/stream/journal.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -44,8 +45,17 @@ JournalWriter::JournalWriter(const fs::path& path,
 
 void JournalWriter::Open(int flags) {
   fd_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | flags, 0666);
-  if (fd_ >= 0) return;
-  throw Error(ErrorKind::kOutOfResource, path_.string() + ": cannot be written: " + Reason(errno));
+  if (fd_ < 0) {
+    throw Error(ErrorKind::kOutOfResource,
+                path_.string() + ": cannot be written: " + Reason(errno));
+  }
+  // Two writers would spoil it. Where locks are not supported, nothing is locked.
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(fd_);
+    fd_ = -1;
+    throw Error(ErrorKind::kFailed,
+                path_.string() + ": is being written by another program; wait for its end");
+  }
 }
 
 JournalWriter::~JournalWriter() {

@@ -202,6 +202,14 @@ TEST_F(JournalTest, AnExistingFileIsNotReplaced) {
   EXPECT_EQ(ReadFile(), (Bytes{1, 2, 3}));
 }
 
+TEST_F(JournalTest, TwoWritersDoNotGetInEachOthersWay) {
+  JournalWriter journal(path_);
+  WriteScan(&journal);
+  journal.Flush();
+  EXPECT_THROW(JournalWriter(path_, 0, 0), Error);
+  EXPECT_EQ(ReadJournal(path_).replay.frames().size(), 4U) << "nothing was cut off";
+}
+
 TEST_F(JournalTest, AFullDiskLeavesWholeRecords) {
   // Files beyond a limit fail with EFBIG, in the middle of a write, as they do on a full disk.
   constexpr rlim_t kLimit = 50'000;

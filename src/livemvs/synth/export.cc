@@ -10,6 +10,7 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/io/atomic_file.h"
+#include "livemvs/io/calibration.h"
 #include "livemvs/io/picture_codec.h"
 #include "livemvs/io/ply.h"
 #include "livemvs/io/video_writer.h"
@@ -67,23 +68,8 @@ fs::path WriteCamera(const fs::path& folder, const Camera& camera) {
                             camera.width,
                             camera.height));
   }
-  const bool fisheye = camera.model == CameraModel::kKannalaBrandt;
-  std::string yaml =
-      Format("%%YAML:1.0\n---\nimage_width: %d\nimage_height: %d\n", camera.width, camera.height);
-  if (fisheye) yaml += "distortion_model: fisheye\n";
-  yaml += Format(
-      "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
-      "   data: [ %.12g, 0., %.12g, 0., %.12g, %.12g, 0., 0., 1. ]\n",
-      camera.fx,
-      camera.cx,
-      camera.fy,
-      camera.cy);
-  const int count = fisheye ? 4 : 8;
-  yaml += Format(
-      "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: %d\n   dt: d\n   data: [ ",
-      count);
-  for (int i = 0; i < count; ++i) yaml += Format(i ? ", %.12g" : "%.12g", camera.distortion[i]);
-  return WriteText(folder / "camera.yaml", yaml + " ]\n");
+  WriteOpenCvYaml(folder / "camera.yaml", camera);
+  return folder / "camera.yaml";
 }
 
 Image<Rgb> ToRgb(const Picture& picture) {

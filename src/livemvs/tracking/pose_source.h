@@ -22,8 +22,10 @@ struct PoseEstimate {
   std::optional<Rigid3d> cam_from_world;
   int observations = 0;  ///< Corners or features that the pose rests on.
   double rms_px = 0;     ///< Of their reprojection.
-  double blur_px = 0;    ///< How far the picture moved during the exposure, as far as is known.
-  std::string problem;   ///< For people, where there is no pose: "board not seen".
+  /// Expected error of where this pose sees the things to be reconstructed, at the worst place.
+  double sigma_px = 0;
+  double blur_px = 0;   ///< How far the picture moved during the exposure, as far as is known.
+  std::string problem;  ///< For people, where there is no pose: "board not seen".
 };
 
 /// Says where the camera stood when each picture was taken. Not thread-safe.

@@ -1,0 +1,89 @@
+#include "cloud_output.h"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <string>
+
+#include "livemvs/core/log.h"
+#include "livemvs/io/atomic_file.h"
+#include "livemvs/io/ply.h"
+#include "livemvs/map/normals.h"
+
+namespace livemvs::app {
+
+nlohmann::json ReconstructionJson(const Options& options,
+                                  const ReconstructionStatistics& s,
+                                  std::size_t live_seeds) {
+  nlohmann::json json;
+  VisitOptions(options, [&](const char* name, const auto&) {
+    json["options"][name] = GetOption(options, name);
+  });
+  json["seeds"] = {{"spawned", s.seeds_spawned},
+                   {"converged", s.seeds_converged},
+                   {"alive", live_seeds},
+                   {"rejected",
+                    {{"outlier", s.rejected_outlier},
+                     {"aged", s.rejected_aged},
+                     {"unseen", s.rejected_unseen},
+                     {"left_interval", s.rejected_left_interval}}}};
+  json["updates"] = {
+      {"total", s.updates.total()},
+      {"matched", s.updates.matched},
+      {"no_information", s.updates.no_information},
+      {"out_of_view", s.updates.out_of_view},
+      {"mismatched", s.updates.mismatched},
+      {"per_second",
+       s.update_seconds > 0 ? static_cast<double>(s.updates.total()) / s.update_seconds : 0}};
+  json["seconds"] = {
+      {"spawn", s.spawn_seconds}, {"update", s.update_seconds}, {"collect", s.collect_seconds}};
+  return json;
+}
+
+void AddResources(nlohmann::json* statistics) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  (*statistics)["peak_memory_mb"] = static_cast<double>(usage.ru_maxrss) / 1024;
+  (*statistics)["cpu_seconds"] =
+      static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+      1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+void ExplainEmptyCloud(const ReconstructionStatistics& s) {
+  if (s.seeds_converged > 0) {
+    LogWarning(
+        "no point is left: too few of them lie on a surface with others; try --set "
+        "min_support=0");
+    return;
+  }
+  std::string reason = "too few frames";
+  if (s.seeds_spawned == 0) {
+    reason = "no pixel has texture within the range: check --box or --near and --far";
+  } else if (s.updates.no_information >= s.updates.total() * 9 / 10) {
+    reason = "the camera hardly moves, or its pictures are blurred";
+  } else if (s.updates.out_of_view > s.updates.total() / 2) {
+    reason =
+        "what one frame shows, the next do not: check the poses, their convention and the range";
+  } else if (s.updates.mismatched > s.updates.matched) {
+    reason = "patches are not found where the poses say: check poses, convention and calibration";
+  }
+  LogWarning("no point converged; likely because: " + reason);
+}
+
+void WriteCloud(const std::filesystem::path& path, bool estimate_normals, PointCloud* cloud) {
+  if (estimate_normals) EstimateNormals(*cloud);
+  WritePly(path,
+           *cloud,
+           estimate_normals ? "of the plane through the 16 nearest points, on the camera's side"
+                            : "towards the camera that planted the seed");
+}
+
+void WriteStatistics(const std::filesystem::path& path, const nlohmann::json& statistics) {
+  AtomicFile file(path);
+  // What comes from outside - names, messages - may not be UTF-8.
+  file.Write(statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  file.Commit();
+  std::printf("%s\n", std::filesystem::absolute(path).c_str());
+}
+
+}  // namespace livemvs::app

@@ -1,0 +1,302 @@
+#include "livemvs/scan/scan.h"
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "live_view.h"
+#include "livemvs/core/error.h"
+#include "livemvs/core/log.h"
+#include "livemvs/scan/journal_thread.h"
+#include "progress.h"
+#include "scan_arguments.h"
+#include "scan_input.h"
+#include "scan_results.h"
+
+namespace livemvs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+double UnixTime() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+// An older scan is not touched.
+void CheckFolder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder / kJournalName, error)) {
+    throw BadInput(folder.string() + ": holds a scan already; go on with it by --resume " +
+                   folder.string() + ", or name another folder");
+  }
+}
+
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw BadInput(folder.string() + ": cannot be made: " + error.message());
+  }
+}
+
+std::vector<std::uint8_t> SessionOf(const ScanArguments& args, bool resumed) {
+  SessionMessage session;
+  session.unix_time = UnixTime();
+  const nlohmann::json json = {{"program", "livemvs " LIVEMVS_VERSION},
+                               {"source", args.device.empty() ? args.data.string() : args.device},
+                               {"resumed", resumed},
+                               {"arguments", ToJson(args)}};
+  session.json = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return Encode(session);
+}
+
+std::string NoteOf(const ScanProgress& progress) {
+  std::string note;
+  switch (progress.tracking) {
+    case TrackingState::kSearching:
+      note = progress.problem.empty() ? "searching" : progress.problem;
+      break;
+    case TrackingState::kTracking:
+      note = "tracking";
+      break;
+    case TrackingState::kLost:
+      note = progress.problem.empty() ? "lost" : "lost: " + progress.problem;
+      break;
+  }
+  if (progress.dropped > 0) note += ", " + std::to_string(progress.dropped) + " dropped";
+  return note;
+}
+
+/// A scan's folder with what is known of it.
+struct Folder {
+  fs::path path;
+  std::optional<JournalContents> before;  ///< Where the scan is resumed.
+};
+
+// Opens the folder of the scan to resume, and takes the arguments from it.
+Folder OpenFolder(ScanArguments* args) {
+  Folder folder{args->output, std::nullopt};
+  if (args->resume.empty()) return folder;
+  folder.path = args->resume;
+  const fs::path journal = folder.path / kJournalName;
+  folder.before = ReadJournal(journal);
+  const MethodArguments told = args->method;
+  FromJson(folder.before->replay.sessions().front().json, journal.string(), args);
+  args->method.threads = told.threads;
+  if (!args->board.empty()) args->board = folder.path / kBoardName;
+  LogInfo(folder.path.string() + ": " + std::to_string(folder.before->replay.frames().size()) +
+          " frames and " + std::to_string(folder.before->replay.Points().size()) +
+          " points are there");
+  if (folder.before->tail != JournalReader::Tail::kClean) {
+    LogInfo(journal.string() + ": its end was cut off, within the last second of the scan");
+  }
+  return folder;
+}
+
+std::unique_ptr<JournalWriter> OpenJournal(const Folder& folder) {
+  const fs::path path = folder.path / kJournalName;
+  if (!folder.before) return std::make_unique<JournalWriter>(path);
+  return std::make_unique<JournalWriter>(
+      path, folder.before->valid_bytes, folder.before->next_sequence);
+}
+
+// The viewer of a scan, if any: it gets the journal's records, those of before among them.
+std::unique_ptr<LiveView> OpenView(const ScanArguments& args,
+                                   const Folder& folder,
+                                   const ScanInput& input) {
+  if (!args.view.view) return nullptr;
+  viewer::FeedOptions feed;
+  feed.engine = input.settings.method;
+  feed.records = false;
+  auto view = std::make_unique<LiveView>(args.view, folder.path.filename().string(), feed);
+  if (folder.before) {
+    JournalReader journal(folder.path / kJournalName);
+    while (const std::optional<Record> record = journal.Next()) {
+      view->log().Append(record->type, record->payload);
+    }
+  }
+  return view;
+}
+
+void Show(const PosedFrame& frame,
+          std::span<const Point> converged,
+          const Reconstructor& reconstructor,
+          viewer::LiveCounts counts,
+          LiveView* view) {
+  counts.frames = reconstructor.statistics().frames;
+  counts.seeds = static_cast<std::int64_t>(reconstructor.live_seeds());
+  counts.points = static_cast<std::int64_t>(reconstructor.points().size());
+  view->feed().AddFrame(frame, converged, counts, &reconstructor.pool());
+  view->WaitWhilePaused(Interrupted);
+}
+
+ScanResult Film(const ScanArguments& args, const Folder& folder, ScanInput* input, LiveView* view) {
+  const Replay* before = folder.before ? &folder.before->replay : nullptr;
+  JournalThread journal(OpenJournal(folder));
+  const std::vector<std::uint8_t> session = SessionOf(args, before != nullptr);
+  journal.Write(RecordType::kSession, session);
+  Scan scan(input->settings, input->source, input->poses);
+  if (before != nullptr) scan.Continue(*before);
+  scan.AddSink(&journal);
+  if (view != nullptr) {
+    view->log().Append(RecordType::kSession, session);
+    scan.AddSink(&view->log());
+  }
+  Progress progress(ParseProgressMode(args.progress));
+  Scan::Watch watch;
+  watch.stop = [view] { return Interrupted() || (view != nullptr && view->finish_asked()); };
+  viewer::LiveCounts counts;
+  counts.frames_total = input->expected;
+  watch.broken = [&journal] { return journal.failure(); };
+  watch.progress = [&](const ScanProgress& p) {
+    progress.Show({"scan", p.frames, input->expected, p.live_seeds, p.points, NoteOf(p)});
+    counts.frames_dropped = p.dropped;
+  };
+  if (view != nullptr) {
+    watch.seen = [&](const PosedFrame& frame,
+                     std::span<const Point> converged,
+                     const Reconstructor& reconstructor) {
+      Show(frame, converged, reconstructor, counts, view);
+    };
+  }
+  watch.news = [](const std::string& text, bool warning) {
+    warning ? LogWarning(text) : LogInfo(text);
+  };
+  ScanResult result = scan.Run(watch);
+  progress.Finish();
+  if (result.end == ScanEnd::kInterrupted && !Interrupted()) result.end = ScanEnd::kFinished;
+  try {
+    journal.Finish();
+  } catch (...) {
+    result.end = ScanEnd::kFailed;
+    if (result.failure == nullptr) result.failure = std::current_exception();
+  }
+  return result;
+}
+
+// A result made of the journal alone.
+ScanResult FromJournal(const Replay& replay) {
+  ScanResult result;
+  result.points = replay.Points();
+  result.frames = replay.frames();
+  result.camera = replay.camera();
+  return result;
+}
+
+// Where to look, for the statistics and the messages of a scan that is only finished.
+ScanSettings SettingsOf(const ScanArguments& args, const Replay& replay) {
+  ScanSettings settings;
+  settings.method = MakeOptions(args.method);
+  if (replay.scene()) {
+    settings.range.box = replay.scene()->box;
+    settings.range.near = replay.scene()->near;
+    settings.range.far = replay.scene()->far;
+    settings.range.origin = replay.scene()->origin;
+  }
+  return settings;
+}
+
+void ReportEnd(const Folder& folder, const ScanInput& input, const ScanResult& result) {
+  const CaptureStatistics& c = result.capture;
+  if (result.end == ScanEnd::kSourceLost) LogWarning("the camera did not come back");
+  const std::int64_t left_out = c.out_of_order + c.duplicates + c.other_size;
+  if (left_out > 0) {
+    LogWarning(std::to_string(left_out) + " pictures were left out: " +
+               std::to_string(c.out_of_order) + " out of order, " + std::to_string(c.duplicates) +
+               " repeated, " + std::to_string(c.other_size) + " of another size");
+  }
+  if (c.dropped > 0) {
+    LogWarning(std::to_string(c.dropped) +
+               " pictures were dropped, because the engine was late; fewer --seeds keep pace");
+  }
+  if (result.failure != nullptr) {
+    LogWarning(
+        "the scan was stopped; what it has is kept, and can be continued: livemvs scan "
+        "--resume " +
+        folder.path.string());
+    std::rethrow_exception(result.failure);
+  }
+  // Who films ends the scan so; a recording has an end of its own.
+  if (result.end == ScanEnd::kInterrupted && !input.live) {
+    LogInfo("interrupted; go on with: livemvs scan --resume " + folder.path.string());
+    throw CLI::RuntimeError(kExitInterrupted);
+  }
+}
+
+// A scan in which the camera was never found is no scan.
+void RequirePoses(const ScanResult& result, const std::string& problem) {
+  for (const FrameMessage& frame : result.frames) {
+    if (frame.cam_from_world) return;
+  }
+  if (result.frames.empty() || result.failure != nullptr) return;
+  throw BadInput("no pose was found in any of " + std::to_string(result.frames.size()) +
+                 " pictures: " + (problem.empty() ? "board not seen" : problem) +
+                 "; see that the whole sheet is in the picture, sharp, and the one that --board "
+                 "describes");
+}
+
+void RunScan(ScanArguments args) {
+  CheckScanArguments(args);
+  MakeOptions(args.method);  // wrong ones are told before any work
+  ParseProgressMode(args.progress);
+  const std::optional<tbb::global_control> thread_limit = LimitThreads(args.method.threads);
+  CatchInterrupts();
+  const Folder folder = OpenFolder(&args);
+  const Replay* before = folder.before ? &folder.before->replay : nullptr;
+  const bool ended =
+      before != nullptr && before->end() && before->end()->reason == EndMessage::kFinished;
+  if (args.finish || ended) {
+    ScanResult result = FromJournal(*before);
+    WriteScanResults(folder.path, args, SettingsOf(args, *before), &result);
+    return;
+  }
+  if (before == nullptr) CheckFolder(folder.path);
+  ScanInput input = OpenScanInput(args, before);
+  if (before == nullptr) {
+    MakeFolder(folder.path);
+    if (input.board) WriteBoard(folder.path / kBoardName, *input.board);
+  }
+  const std::unique_ptr<LiveView> view = OpenView(args, folder, input);
+  ScanResult result = Film(args, folder, &input, view.get());
+  if (view != nullptr) view->feed().End({});
+  RequirePoses(result, result.tracking_problem);
+  try {
+    WriteScanResults(folder.path, args, input.settings, &result);
+  } catch (const Error&) {
+    if (result.failure == nullptr) throw;
+  }
+  ReportEnd(folder, input, result);
+  if (view != nullptr) view->Linger(Interrupted);
+}
+
+}  // namespace
+
+void AddScanCommand(CLI::App& app) {
+  auto args = std::make_shared<ScanArguments>();
+  CLI::App* command = app.add_subcommand(
+      "scan", "Film an object on a printed board, or play a recording, and get its model");
+  AddScanOptions(command, args.get());
+  command->footer(
+      "Examples:\n"
+      "  livemvs scan --camera 0 --board board.json -o mug\n"
+      "  livemvs scan --data video.mp4 --board board.json --calibration camera.yaml -o mug\n"
+      "  livemvs scan --data video.mp4 --board board.json --realtime -o mug\n"
+      "  livemvs scan --data folder-with-poses/ -o room\n"
+      "  livemvs scan --camera 0 --board board.json --view -o mug\n"
+      "  livemvs scan --resume mug                  go on after an interruption\n"
+      "  livemvs scan --resume mug --finish         write what was recorded before it\n\n"
+      "The folder gets cloud.ply, poses.txt, camera.yaml, statistics.json, and journal.lmv, which\n"
+      "is written while filming: whatever happens, at most the last second is lost.\n\n"
+      "Exit codes: 0 done (Ctrl-C ends filming), 1 failed, 2 usage, 3 bad input, 4 out of\n"
+      "resources (the scan so far is kept), 130 a recording was interrupted (--resume goes on).");
+  command->callback([args] { RunScan(*args); });
+}
+
+}  // namespace livemvs::app

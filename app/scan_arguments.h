@@ -1,0 +1,53 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "live_view.h"
+#include "livemvs/io/dataset.h"
+#include "method_options.h"
+
+namespace livemvs::app {
+
+/// What 'livemvs scan' is told. What decides the result is kept in the journal, so that a scan can
+/// be resumed by its folder alone.
+struct ScanArguments {
+  std::string device;    ///< Number or path of a camera; empty: `data` is used.
+  std::string mode;      ///< Of the camera: "1280x720@30:mjpeg"; empty: chosen.
+  std::string controls;  ///< "lock" or "auto": exposure, focus and white balance.
+  std::filesystem::path data;
+  std::filesystem::path poses;
+  std::filesystem::path images;
+  std::string calibration;
+  PoseConvention convention = PoseConvention::kAuto;
+  std::int64_t first_frame = 0;
+  std::int64_t last_frame = -1;
+  std::int64_t step = 1;
+  std::string pipe_format;  ///< "yuyv422:640x480"; empty: found out.
+  bool realtime = false;
+  std::filesystem::path board;
+  double height = 0;     ///< Of the room above the board [m]; 0: chosen.
+  double patience = 10;  ///< [s]
+  MethodArguments method;
+
+  std::filesystem::path output;
+  std::filesystem::path resume;
+  bool finish = false;
+  std::string progress = "auto";
+  ViewOptions view;
+};
+
+void AddScanOptions(CLI::App* command, ScanArguments* args);
+
+/// What must be given is, and what excludes each other is not. @throws std::invalid_argument
+void CheckScanArguments(const ScanArguments& args);
+
+/// For the journal: all that decides the result. Paths become absolute.
+nlohmann::json ToJson(const ScanArguments& args);
+
+/// Sets what ToJson() wrote. @throws Error (kBadInput) naming `where` if the JSON is no such.
+void FromJson(const std::string& text, const std::string& where, ScanArguments* args);
+
+}  // namespace livemvs::app

@@ -1,0 +1,228 @@
+#include "scan_input.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "interrupt.h"
+#include "livemvs/core/error.h"
+#include "livemvs/core/log.h"
+#include "livemvs/io/calibration.h"
+#include "livemvs/io/camera_source.h"
+#include "livemvs/io/image_source.h"
+#include "livemvs/io/pipe_source.h"
+#include "livemvs/io/video_source.h"
+#include "livemvs/pipeline/search_mode.h"
+#include "livemvs/tracking/board_tracker.h"
+
+namespace livemvs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Frames that are fed again when a recording is resumed, so that the seeds that were alive grow
+/// again.
+constexpr std::int64_t kWarmUpFrames = 60;
+
+std::int64_t LastIndex(const Replay& before) {
+  std::int64_t last = -1;
+  for (const FrameMessage& frame : before.frames()) last = std::max(last, frame.index);
+  return last;
+}
+
+double LastTime(const Replay& before) {
+  double last = 0;
+  for (const FrameMessage& frame : before.frames()) last = std::max(last, frame.timestamp);
+  return last;
+}
+
+// Where a recording is taken up.
+std::int64_t FirstFrame(const ScanArguments& args, const Replay* before) {
+  if (before == nullptr) return args.first_frame;
+  const std::int64_t back = std::max<std::int64_t>(0, LastIndex(*before) + 1 - kWarmUpFrames);
+  // Every step-th frame, counted from the first.
+  const std::int64_t steps = (std::max(back, args.first_frame) - args.first_frame) / args.step;
+  return args.first_frame + steps * args.step;
+}
+
+PipeOptions PipeOptionsOf(const ScanArguments& args) {
+  PipeOptions options;
+  options.cancelled = Interrupted;
+  options.open_timeout = args.patience;
+  if (args.pipe_format.empty()) return options;
+  const std::size_t colon = args.pipe_format.find(':');
+  const std::size_t times = args.pipe_format.find('x', colon == std::string::npos ? 0 : colon);
+  if (colon == std::string::npos || times == std::string::npos) {
+    throw std::invalid_argument("--pipe-format " + args.pipe_format +
+                                ": must be FORMAT:WIDTHxHEIGHT, as yuyv422:640x480");
+  }
+  const char* text = args.pipe_format.data();
+  std::from_chars(text + colon + 1, text + times, options.width);
+  std::from_chars(text + times + 1, text + args.pipe_format.size(), options.height);
+  options.format = args.pipe_format.substr(0, colon);
+  return options;
+}
+
+// The pictures of a recording that needs no poses: a video, or a folder with one, or images.
+std::unique_ptr<FrameSource> OpenRecording(const fs::path& data) {
+  std::error_code error;
+  if (!fs::is_directory(data, error)) return OpenVideo(data);
+  std::vector<fs::path> videos;
+  for (fs::directory_iterator it(data, error), end; !error && it != end; it.increment(error)) {
+    if (HasVideoExtension(it->path())) videos.push_back(it->path());
+  }
+  if (videos.size() == 1) return OpenVideo(videos[0]);
+  if (videos.size() > 1) {
+    throw BadInput(data.string() + ": holds several videos; name the one to use with --data");
+  }
+  for (const fs::path& folder : {data, data / "images", data / "rgb"}) {
+    if (!fs::is_directory(folder, error)) continue;
+    std::vector<fs::path> images = ListImages(folder);
+    if (!images.empty()) return OpenImages(std::move(images));
+  }
+  throw BadInput(data.string() + ": holds neither a video nor images");
+}
+
+// Intrinsics as given, else as found beside the data, else none: the tracker finds them.
+std::optional<Camera> CalibrationOf(const ScanArguments& args,
+                                    const FrameSource::Info& info,
+                                    const Replay* before) {
+  std::optional<Camera> camera;
+  std::string where = "the journal";
+  if (before != nullptr && before->camera()) {
+    camera = before->camera();
+  } else if (!args.calibration.empty()) {
+    camera = ReadCamera(args.calibration);
+    where = args.calibration;
+  } else if (!args.data.empty()) {
+    std::error_code error;
+    const fs::path folder =
+        fs::is_directory(args.data, error) ? args.data : args.data.parent_path();
+    if (const auto found = FindCalibration(folder.empty() ? "." : folder)) {
+      camera = ReadCamera(found->string());
+      where = found->string();
+      LogInfo("calibration from " + where);
+    }
+  }
+  if (!camera) return camera;
+  if (camera->width == 0) {
+    camera->width = info.width;
+    camera->height = info.height;
+  }
+  if (camera->width != info.width || camera->height != info.height) {
+    throw BadInput(where + ": calibration for " + std::to_string(camera->width) + " x " +
+                   std::to_string(camera->height) + " pictures, but they are " +
+                   std::to_string(info.width) + " x " + std::to_string(info.height) +
+                   "; calibrate at this size or film at that one");
+  }
+  return camera;
+}
+
+SceneRange RangeAbove(const ScanArguments& args, const Board& board) {
+  SceneRange range;
+  const std::optional<Box> given = BoxOf(args.method);
+  range.box = given ? *given : BoxAbove(board, args.height);
+  range.origin = given ? "--box" : "the room above the board";
+  // The box alone counts; these only keep the camera itself out.
+  const double diagonal = (range.box->max - range.box->min).norm();
+  range.near = args.method.near > 0 ? args.method.near : 0.02 * diagonal;
+  range.far = args.method.far > 0 ? args.method.far : 100 * diagonal;
+  try {
+    range.Check();
+  } catch (const std::invalid_argument& e) {
+    throw BadInput(e.what());
+  }
+  return range;
+}
+
+void OpenPosed(const ScanArguments& args, const Replay* before, ScanInput* input) {
+  DatasetOptions options;
+  options.data = args.data;
+  options.poses = args.poses;
+  options.images = args.images;
+  options.camera = args.calibration;
+  options.pose_convention = args.convention;
+  options.first_frame = args.first_frame;
+  options.last_frame = args.last_frame;
+  options.step = args.step;
+  options.cancelled = Interrupted;
+  // Range and search are those of the whole, wherever it is taken up.
+  std::unique_ptr<Dataset> dataset = OpenDataset(options);
+  input->settings.range = RangeOf(args.method, *dataset);
+  input->settings.method = FitToData(MakeOptions(args.method), *dataset, input->settings.range);
+  if (before != nullptr) {
+    options.first_frame = FirstFrame(args, before);
+    dataset = OpenDataset(options);
+  }
+  input->expected = static_cast<std::int64_t>(dataset->views().size());
+  input->player = std::make_unique<DatasetPlayer>(std::move(dataset), args.realtime);
+  input->source = input->player->source();
+  input->poses = input->player->poses();
+}
+
+std::unique_ptr<LiveSource> OpenPictures(const ScanArguments& args,
+                                         const Replay* before,
+                                         ScanInput* input) {
+  if (!args.device.empty()) {
+    input->live = true;
+    return OpenCamera(args.device,
+                      {.mode = ParseMode(args.mode), .lock_controls = args.controls == "lock"});
+  }
+  if (IsPipe(args.data)) {
+    input->live = true;
+    return OpenPipe(args.data, PipeOptionsOf(args));
+  }
+  std::unique_ptr<FrameSource> recording = OpenRecording(args.data);
+  PlaybackOptions options;
+  options.realtime = args.realtime;
+  options.first_frame = FirstFrame(args, before);
+  options.last_frame = args.last_frame;
+  options.step = args.step;
+  input->expected = (recording->info().frame_count - options.first_frame) / args.step;
+  return PlayBack(std::move(recording), options);
+}
+
+void OpenWithBoard(const ScanArguments& args, const Replay* before, ScanInput* input) {
+  input->board = ReadBoard(args.board);
+  input->owned_source = OpenPictures(args, before, input);
+  input->source = input->owned_source.get();
+  const FrameSource::Info info = input->source->info();
+  LogInfo(info.description);
+  input->owned_poses = MakeBoardTracker(*input->board, CalibrationOf(args, info, before));
+  input->poses = input->owned_poses.get();
+  input->settings.range = RangeAbove(args, *input->board);
+  input->settings.method = ResolveSearch({}, input->settings.range, MakeOptions(args.method));
+  LogInfo("looking for surfaces at " + Describe(input->settings.range));
+}
+
+}  // namespace
+
+ScanInput OpenScanInput(const ScanArguments& args, const Replay* before) {
+  ScanInput input;
+  if (args.board.empty()) {
+    if (IsPipe(args.data)) {
+      throw BadInput(args.data.string() +
+                     ": pictures from a pipe have no poses; give --board for the sheet in them");
+    }
+    OpenPosed(args, before, &input);
+  } else {
+    OpenWithBoard(args, before, &input);
+  }
+  TrackingStageOptions& stages = input.settings.stages;
+  stages.capture.drop_oldest = input.live || args.realtime;
+  stages.patience = args.patience;
+  // A recording that takes long over a frame is not lost.
+  if (!input.live) stages.capture.lost_after = 1e9;
+  if (before != nullptr && input.live) {
+    stages.index_offset = LastIndex(*before) + 1;
+    const double now =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    stages.time_offset =
+        std::max(LastTime(*before) + 1, now - before->sessions().front().unix_time);
+  }
+  return input;
+}
+
+}  // namespace livemvs::app

@@ -1,0 +1,114 @@
+#include "scan_results.h"
+
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <string>
+
+#include "cloud_output.h"
+#include "livemvs/io/calibration.h"
+#include "livemvs/io/tum.h"
+#include "livemvs/map/finish_cloud.h"
+
+namespace livemvs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* NameOf(ScanEnd end) {
+  switch (end) {
+    case ScanEnd::kFinished:
+      return "finished";
+    case ScanEnd::kSourceLost:
+      return "camera lost";
+    case ScanEnd::kInterrupted:
+      return "interrupted";
+    case ScanEnd::kFailed:
+      break;
+  }
+  return "failed";
+}
+
+nlohmann::json StatisticsOf(const ScanArguments& args,
+                            const ScanSettings& settings,
+                            const ScanResult& result) {
+  const CaptureStatistics& c = result.capture;
+  nlohmann::json json =
+      ReconstructionJson(settings.method, result.reconstruction, result.live_seeds);
+  json["arguments"] = ToJson(args);
+  json["preset"] = args.method.preset;
+  json["range"] = Describe(settings.range);
+  json["backend"] = result.backend;
+  json["end"] = NameOf(result.end);
+  const std::int64_t seen = c.tracked + c.untracked;
+  json["frames"] = {{"in_all", result.frames.size()},
+                    {"tracked", c.tracked},
+                    {"untracked", c.untracked},
+                    {"bad_poses", c.bad_poses},
+                    {"dropped", c.dropped},
+                    {"out_of_order", c.out_of_order},
+                    {"duplicated", c.duplicates},
+                    {"other_size", c.other_size},
+                    {"damaged", c.damaged},
+                    {"used", result.reconstruction.frames}};
+  json["seconds"]["total"] = result.seconds;
+  json["seconds"]["track"] = c.track_seconds;
+  json["track_ms_per_frame"] = seen > 0 ? 1000 * c.track_seconds / static_cast<double>(seen) : 0.0;
+  json["frames_per_second"] = result.seconds > 0 ? static_cast<double>(seen) / result.seconds : 0.0;
+  AddResources(&json);
+  return json;
+}
+
+std::vector<StampedPose> PosesOf(const std::vector<FrameMessage>& frames) {
+  std::vector<StampedPose> poses;
+  for (const FrameMessage& frame : frames) {
+    if (!frame.cam_from_world) continue;
+    if (!poses.empty() && !(frame.timestamp > poses.back().time)) continue;
+    poses.push_back({frame.timestamp, *frame.cam_from_world});
+  }
+  return poses;
+}
+
+void Print(const fs::path& path) { std::printf("%s\n", fs::absolute(path).c_str()); }
+
+}  // namespace
+
+void WriteScanResults(const fs::path& folder,
+                      const ScanArguments& args,
+                      const ScanSettings& settings,
+                      ScanResult* result) {
+  std::exception_ptr failure;
+  const auto attempt = [&failure](const std::function<void()>& write) {
+    try {
+      write();
+    } catch (...) {
+      if (failure == nullptr) failure = std::current_exception();
+    }
+  };
+  nlohmann::json statistics = StatisticsOf(args, settings, *result);
+  attempt([&] {
+    const FinishedCloud finished = FinishCloud(settings.method, &result->points);
+    if (result->points.empty()) ExplainEmptyCloud(result->reconstruction);
+    WriteCloud(folder / "cloud.ply", true, &result->points);
+    statistics["points"] = result->points.size();
+    statistics["removed"] = {{"superseded", finished.superseded},
+                             {"unsupported", finished.unsupported}};
+    std::printf("%zu points from %zu frames\n", result->points.size(), result->frames.size());
+    Print(folder / "cloud.ply");
+  });
+  attempt([&] {
+    const std::vector<StampedPose> poses = PosesOf(result->frames);
+    if (poses.empty()) return;
+    WriteTumTrajectory(folder / "poses.txt", poses, "written by livemvs scan");
+    Print(folder / "poses.txt");
+  });
+  attempt([&] {
+    if (!result->camera) return;
+    WriteOpenCvYaml(folder / "camera.yaml", *result->camera);
+    Print(folder / "camera.yaml");
+  });
+  attempt([&] { WriteStatistics(folder / "statistics.json", statistics); });
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace livemvs::app
