@@ -37,7 +37,7 @@ struct RunArguments {
   fs::path trace;
   std::string progress = "auto";
   bool ray_normals = false;
-  bool realtime = false;
+  double speed = 0;  // of the recording; 0: as fast as it goes
   ViewOptions view;
 };
 
@@ -127,7 +127,7 @@ void Run(const RunArguments& args) {
   const Options options = FitToData(MakeOptions(args.method), *dataset, range);
 
   Reconstructor reconstructor(options, range);
-  RunView view({args.view, args.realtime, args.dataset.data.filename().string()},
+  RunView view({args.view, args.speed, args.dataset.data.filename().string()},
                options,
                range,
                dataset->description());
@@ -192,7 +192,10 @@ void AddRunCommand(CLI::App& app) {
   command->add_flag("--ray-normals",
                     args->ray_normals,
                     "Write viewing directions as normals, instead of estimating planes");
-  command->add_flag("--realtime", args->realtime, "Take the frames as fast as they were filmed");
+  command->add_option("--speed", args->speed, "Take the frames at so many times their own pace")
+      ->check(CLI::PositiveNumber);
+  command->add_flag_callback(
+      "--realtime", [args] { args->speed = 1; }, "Take the frames as fast as they were filmed");
   AddViewOptions(command, &args->view);
   command->add_option("--progress", args->progress, "auto, line, json or none");
   command->footer(

@@ -12,7 +12,7 @@ RunView::RunView(const Settings& settings,
                  const Options& options,
                  const SceneRange& range,
                  const std::string& source)
-    : realtime_(settings.realtime) {
+    : speed_(settings.speed) {
   if (!settings.view.view) return;
   viewer::FeedOptions feed;
   feed.engine = options;
@@ -27,7 +27,7 @@ bool RunView::Show(const PosedFrame& frame,
                    std::span<const Point> converged,
                    std::int64_t frame_count,
                    const Reconstructor& reconstructor) {
-  if (realtime_) Pace(frame.timestamp);
+  if (speed_ > 0) Pace(frame.timestamp);
   if (!view_) return true;
   viewer::LiveCounts counts;
   counts.frames = reconstructor.statistics().frames;
@@ -61,7 +61,7 @@ void RunView::Close(std::int64_t frames, std::int64_t points, const std::excepti
 void RunView::Pace(double timestamp) {
   if (!first_time_) first_time_ = timestamp;
   const auto due = start_ + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double>(timestamp - *first_time_));
+                                std::chrono::duration<double>((timestamp - *first_time_) / speed_));
   while (Clock::now() < due && !Interrupted()) {
     std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));
   }

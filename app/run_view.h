@@ -20,7 +20,7 @@ class RunView {
  public:
   struct Settings {
     ViewOptions view;
-    bool realtime = false;
+    double speed = 0;  ///< Of the recording; 0: the machine's.
     std::string title;
   };
   RunView(const Settings& settings,
@@ -42,7 +42,7 @@ class RunView {
   using Clock = std::chrono::steady_clock;
   void Pace(double timestamp);
 
-  bool realtime_;
+  double speed_;
   Clock::time_point start_ = Clock::now();
   std::optional<double> first_time_;
   std::unique_ptr<LiveView> view_;

@@ -72,7 +72,7 @@ export class Controls {
     this.addGestures();
     addEventListener("keydown", (event) => this.key(event));
     this.setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
-    window.__livemvs = { count: () => this.p.stage.countPixels(), cut: () => this.p.connection.cut(), mode: (m: Mode) => this.setMode(m) };
+    window.__livemvs = { count: () => this.p.stage.countPixels(), cut: () => this.p.connection.cut(), hold: () => (this.p.stage.touched = true), mode: (m: Mode) => this.setMode(m) };
   }
 
   private addMode(mode: Mode): void {
