@@ -26,5 +26,8 @@ void AddEvalCommand(CLI::App& app);
 void AddDepthCheckCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
 void AddViewCommand(CLI::App& app);
+void AddBoardCommand(CLI::App& app);
+void AddCalibrateCommand(CLI::App& app);
+void AddTrackCommand(CLI::App& app);
 
 }  // namespace livemvs::app

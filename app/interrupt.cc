@@ -19,6 +19,7 @@ void CatchInterrupts() {
   std::signal(SIGTERM, OnSignal);
   std::signal(SIGHUP, OnSignal);
   std::signal(SIGPIPE, SIG_IGN);  // a reader of our messages that goes away must not cost the cloud
+  std::signal(SIGXFSZ, SIG_IGN);  // nor may a file that may not grow: the write then fails
 }
 
 bool Interrupted() { return interrupted != 0; }

@@ -45,6 +45,9 @@ int Main(int argc, char** argv) {
   AddDepthCheckCommand(app);
   AddRenderCommand(app);
   AddViewCommand(app);
+  AddBoardCommand(app);
+  AddCalibrateCommand(app);
+  AddTrackCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& e) {

@@ -29,13 +29,22 @@ double UnixTime() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// An older scan is not touched.
+// An older scan is not touched; what was cut off before its first record is none.
 void CheckFolder(const fs::path& folder) {
+  const fs::path path = folder / kJournalName;
   std::error_code error;
-  if (fs::exists(folder / kJournalName, error)) {
-    throw BadInput(folder.string() + ": holds a scan already; go on with it by --resume " +
-                   folder.string() + ", or name another folder");
+  if (!fs::exists(path, error)) return;
+  bool begun = true;
+  {
+    JournalReader journal(path);
+    begun = journal.Next().has_value() || journal.tail() == JournalReader::Tail::kCorrupt;
   }
+  if (!begun) {
+    fs::remove(path, error);
+    return;
+  }
+  throw BadInput(folder.string() + ": holds a scan already; go on with it by --resume " +
+                 folder.string() + ", or name another folder");
 }
 
 void MakeFolder(const fs::path& folder) {
@@ -90,6 +99,7 @@ Folder OpenFolder(ScanArguments* args) {
   const MethodArguments told = args->method;
   FromJson(folder.before->replay.sessions().front().json, journal.string(), args);
   args->method.threads = told.threads;
+  args->realtime = false;  // what was missed is not live any more
   if (!args->board.empty()) args->board = folder.path / kBoardName;
   LogInfo(folder.path.string() + ": " + std::to_string(folder.before->replay.frames().size()) +
           " frames and " + std::to_string(folder.before->replay.Points().size()) +
@@ -139,9 +149,11 @@ void Show(const PosedFrame& frame,
 
 ScanResult Film(const ScanArguments& args, const Folder& folder, ScanInput* input, LiveView* view) {
   const Replay* before = folder.before ? &folder.before->replay : nullptr;
-  JournalThread journal(OpenJournal(folder));
+  std::unique_ptr<JournalWriter> writer = OpenJournal(folder);
   const std::vector<std::uint8_t> session = SessionOf(args, before != nullptr);
-  journal.Write(RecordType::kSession, session);
+  writer->Append(RecordType::kSession, session);
+  writer->Sync();  // from here on it can be resumed
+  JournalThread journal(std::move(writer));
   Scan scan(input->settings, input->source, input->poses);
   if (before != nullptr) scan.Continue(*before);
   scan.AddSink(&journal);

@@ -6,14 +6,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "frame_input.h"
 #include "interrupt.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
-#include "livemvs/io/calibration.h"
 #include "livemvs/io/camera_source.h"
-#include "livemvs/io/image_source.h"
 #include "livemvs/io/pipe_source.h"
-#include "livemvs/io/video_source.h"
 #include "livemvs/pipeline/search_mode.h"
 #include "livemvs/tracking/board_tracker.h"
 
@@ -65,46 +63,18 @@ PipeOptions PipeOptionsOf(const ScanArguments& args) {
   return options;
 }
 
-// The pictures of a recording that needs no poses: a video, or a folder with one, or images.
-std::unique_ptr<FrameSource> OpenRecording(const fs::path& data) {
-  std::error_code error;
-  if (!fs::is_directory(data, error)) return OpenVideo(data);
-  std::vector<fs::path> videos;
-  for (fs::directory_iterator it(data, error), end; !error && it != end; it.increment(error)) {
-    if (HasVideoExtension(it->path())) videos.push_back(it->path());
-  }
-  if (videos.size() == 1) return OpenVideo(videos[0]);
-  if (videos.size() > 1) {
-    throw BadInput(data.string() + ": holds several videos; name the one to use with --data");
-  }
-  for (const fs::path& folder : {data, data / "images", data / "rgb"}) {
-    if (!fs::is_directory(folder, error)) continue;
-    std::vector<fs::path> images = ListImages(folder);
-    if (!images.empty()) return OpenImages(std::move(images));
-  }
-  throw BadInput(data.string() + ": holds neither a video nor images");
-}
-
-// Intrinsics as given, else as found beside the data, else none: the tracker finds them.
+// Intrinsics as given, else as found beside the recording, else none: the tracker finds them.
 std::optional<Camera> CalibrationOf(const ScanArguments& args,
-                                    const FrameSource::Info& info,
+                                    const ScanInput& input,
                                     const Replay* before) {
+  const FrameSource::Info info = input.source->info();
   std::optional<Camera> camera;
-  std::string where = "the journal";
   if (before != nullptr && before->camera()) {
     camera = before->camera();
+  } else if (!input.live) {
+    camera = CameraFor(args.calibration, FindFrames(args.data));
   } else if (!args.calibration.empty()) {
-    camera = ReadCamera(args.calibration);
-    where = args.calibration;
-  } else if (!args.data.empty()) {
-    std::error_code error;
-    const fs::path folder =
-        fs::is_directory(args.data, error) ? args.data : args.data.parent_path();
-    if (const auto found = FindCalibration(folder.empty() ? "." : folder)) {
-      camera = ReadCamera(found->string());
-      where = found->string();
-      LogInfo("calibration from " + where);
-    }
+    camera = CameraFor(args.calibration, {});
   }
   if (!camera) return camera;
   if (camera->width == 0) {
@@ -112,8 +82,8 @@ std::optional<Camera> CalibrationOf(const ScanArguments& args,
     camera->height = info.height;
   }
   if (camera->width != info.width || camera->height != info.height) {
-    throw BadInput(where + ": calibration for " + std::to_string(camera->width) + " x " +
-                   std::to_string(camera->height) + " pictures, but they are " +
+    throw BadInput("the calibration is for " + std::to_string(camera->width) + " x " +
+                   std::to_string(camera->height) + " pictures, but " + info.description + " are " +
                    std::to_string(info.width) + " x " + std::to_string(info.height) +
                    "; calibrate at this size or film at that one");
   }
@@ -174,7 +144,7 @@ std::unique_ptr<LiveSource> OpenPictures(const ScanArguments& args,
     input->live = true;
     return OpenPipe(args.data, PipeOptionsOf(args));
   }
-  std::unique_ptr<FrameSource> recording = OpenRecording(args.data);
+  std::unique_ptr<FrameSource> recording = FindFrames(args.data).Open();
   PlaybackOptions options;
   options.realtime = args.realtime;
   options.first_frame = FirstFrame(args, before);
@@ -188,9 +158,8 @@ void OpenWithBoard(const ScanArguments& args, const Replay* before, ScanInput* i
   input->board = ReadBoard(args.board);
   input->owned_source = OpenPictures(args, before, input);
   input->source = input->owned_source.get();
-  const FrameSource::Info info = input->source->info();
-  LogInfo(info.description);
-  input->owned_poses = MakeBoardTracker(*input->board, CalibrationOf(args, info, before));
+  LogInfo(input->source->info().description);
+  input->owned_poses = MakeBoardTracker(*input->board, CalibrationOf(args, *input, before));
   input->poses = input->owned_poses.get();
   input->settings.range = RangeAbove(args, *input->board);
   input->settings.method = ResolveSearch({}, input->settings.range, MakeOptions(args.method));

@@ -12,7 +12,10 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "livemvs/synth/export.h"
+#include "livemvs/synth/printed_sheet.h"
 #include "livemvs/synth/sequence.h"
+#include "livemvs/tracking/board.h"
+#include "livemvs/tracking/board_sheet.h"
 #include "progress.h"
 
 namespace livemvs::app {
@@ -21,6 +24,7 @@ namespace {
 // What the command line says; numbers that are not given keep the scene's own value.
 struct SynthArguments {
   SceneOptions scene;
+  std::filesystem::path board;
   std::string path;
   int frames = 0;
   double fps = 30;
@@ -74,7 +78,19 @@ PathOptions PathOf(const SynthArguments& a) {
   return path;
 }
 
+// Prints the board on the sheet of the scenes that have one, and describes it in the folder.
+void PrintBoard(SynthArguments* a) {
+  if (a->scene.name != "sheet" && a->scene.name != "board") return;
+  constexpr int kPixelsPerSquare = 96;  // a multiple of the cells of most markers
+  const Board board = a->board.empty() ? Board() : ReadBoard(a->board);
+  a->scene.sheet = std::make_shared<const synth::PrintedSheet>(DrawBoard(board, kPixelsPerSquare),
+                                                               board.width());
+  std::filesystem::create_directories(a->out.folder);
+  WriteBoard(a->out.folder / "board.json", board);
+}
+
 void RunSynth(SynthArguments a, const std::string& command) {
+  PrintBoard(&a);
   a.scene.Check();
   a.sequence.path = PathOf(a);
   a.sequence.camera = CameraOf(a);
@@ -165,11 +181,17 @@ void AddSynthCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "synth", "Render a sequence with exact poses, depth and mesh, as a data set folder");
   command
-      ->add_option("--scene",
-                   arguments->scene.name,
-                   "table (still life), relief, house, room, plane, hazards (plain, "
-                   "repetitive, glossy and occluding things) or bench (a desk)")
+      ->add_option(
+          "--scene",
+          arguments->scene.name,
+          "table (still life), relief, house, room, plane, hazards (plain, "
+          "repetitive, glossy and occluding things), bench (a desk), sheet (a printed board) "
+          "or board (the still life on it)")
       ->capture_default_str();
+  command->add_option(
+      "--board",
+      arguments->board,
+      "What is printed in the scenes sheet and board: a description of 'livemvs board'");
   command->add_option("--seed", arguments->scene.seed, "Of textures, hand and noise")
       ->capture_default_str();
   AddPathOptions(command, arguments.get());
@@ -183,6 +205,7 @@ void AddSynthCommand(CLI::App& app) {
       "  livemvs synth --scene relief --size 640x480 --images -o temple      (312 views)\n"
       "  livemvs synth --scene room --noise 2 --blur --distortion -0.2,0.05 -o walk\n"
       "  livemvs synth --scene plane --frames 60 --depth-every 10 -o plane\n"
+      "  livemvs synth --scene board --noise 2 --blur --distortion -0.2,0.05 -o board\n"
       "  livemvs synth --scene hazards --noise 2 --labels-every 5 -o hazards");
   command->callback([arguments, command] { RunSynth(*arguments, CommandLine(*command)); });
 }

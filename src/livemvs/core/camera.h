@@ -67,8 +67,8 @@ struct CameraParams {
 /// seeds is compiled once for each.
 struct PinholeModel {
   static constexpr CameraModel kModel = CameraModel::kPinhole;
-  template <typename T>
-  LIVEMVS_HD static DistortedPoint<T> Distort(const T*, T x, T y) {
+  template <typename T, typename S>
+  LIVEMVS_HD static DistortedPoint<T> Distort(const S*, T x, T y) {
     return {x, y, T(1), T(0), T(0), T(1)};
   }
 };
@@ -77,9 +77,9 @@ struct BrownConradyModel {
   static constexpr CameraModel kModel = CameraModel::kBrownConrady;
   /// x' = x a/b + 2 p1 x y + p2 (r² + 2 x²), y' = y a/b + p1 (r² + 2 y²) + 2 p2 x y,
   /// a = 1 + k1 r² + k2 r⁴ + k3 r⁶, b = 1 + k4 r² + k5 r⁴ + k6 r⁶.
-  template <typename T>
-  LIVEMVS_HD static DistortedPoint<T> Distort(const T* k, T x, T y) {
-    const T k1 = k[0], k2 = k[1], p1 = k[2], p2 = k[3], k3 = k[4], k4 = k[5], k5 = k[6], k6 = k[7];
+  template <typename T, typename S>
+  LIVEMVS_HD static DistortedPoint<T> Distort(const S* k, T x, T y) {
+    const T k1(k[0]), k2(k[1]), p1(k[2]), p2(k[3]), k3(k[4]), k4(k[5]), k5(k[6]), k6(k[7]);
     const T r2 = x * x + y * y;
     const T a = T(1) + r2 * (k1 + r2 * (k2 + r2 * k3));
     const T b = T(1) + r2 * (k4 + r2 * (k5 + r2 * k6));
@@ -101,22 +101,25 @@ struct BrownConradyModel {
 struct KannalaBrandtModel {
   static constexpr CameraModel kModel = CameraModel::kKannalaBrandt;
   /// θ = atan r, θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸), (x', y') = θ_d / r (x, y).
-  template <typename T>
-  LIVEMVS_HD static DistortedPoint<T> Distort(const T* k, T x, T y) {
+  template <typename T, typename S>
+  LIVEMVS_HD static DistortedPoint<T> Distort(const S* k, T x, T y) {
     const T r2 = x * x + y * y;
     // Below this the series θ_d / r = 1 + (k1 - 1/3) r² is exact to the type's precision.
-    const bool small = r2 < T(1e-8);
-    const T r = std::sqrt(small ? T(1) : r2);
-    const T theta = std::atan(r);
+    const T k1(k[0]), k2(k[1]), k3(k[2]), k4(k[3]);
+    const MaskOf<T> small = r2 < T(1e-8);
+    const T far_r2 = Select(small, T(1), r2);
+    const T r = Sqrt(far_r2);
+    const T theta = Atan(r);
     const T t2 = theta * theta;
-    const T poly = T(1) + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])));
+    const T poly = T(1) + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4)));
     const T d_poly =
-        T(1) + t2 * (T(3) * k[0] + t2 * (T(5) * k[1] + t2 * (T(7) * k[2] + t2 * T(9) * k[3])));
+        T(1) + t2 * (T(3) * k1 + t2 * (T(5) * k2 + t2 * (T(7) * k3 + t2 * (T(9) * k4))));
     const T scale_far = theta * poly / r;
-    const T scale = small ? T(1) + (k[0] - T(1) / T(3)) * r2 : scale_far;
+    const T near_axis = k1 - T(1) / T(3);
+    const T scale = Select(small, T(1) + near_axis * r2, scale_far);
     // d scale / dx = d_scale * x
-    const T d_scale = small ? T(2) * (k[0] - T(1) / T(3))
-                            : (d_poly / (T(1) + r2) - scale_far) / (small ? T(1) : r2);
+    const T d_scale =
+        Select(small, T(2) * near_axis, (d_poly / (T(1) + far_r2) - scale_far) / far_r2);
     return {x * scale,
             y * scale,
             scale + x * x * d_scale,

@@ -57,12 +57,12 @@ RelativeView<T> MakeRelativeView(const Camera& ref,
 /// A seed's posterior mean in the current image and how it moves there with mu.
 template <typename T>
 struct Projection {
-  bool visible;      ///< In front of the camera and inside of the lens model's range.
-  T x, y;            ///< [px]
-  T dx, dy;          ///< Unit direction of the epipolar line, towards larger mu.
-  T rate;            ///< Speed along it [px per unit of mu], >= 0.
-  T foreshortening;  ///< q: the line is traversed as k / (1 - k q), see MuStep().
-  T scale;           ///< Size of the patch in the current image over that in the reference image.
+  MaskOf<T> visible;  ///< In front of the camera and inside of the lens model's range.
+  T x, y;             ///< [px]
+  T dx, dy;           ///< Unit direction of the epipolar line, towards larger mu.
+  T rate;             ///< Speed along it [px per unit of mu], >= 0.
+  T foreshortening;   ///< q: the line is traversed as k / (1 - k q), see MuStep().
+  T scale;            ///< Size of the patch in the current image over that in the reference image.
 };
 
 /// Projects the posterior mean mu of a seed with unit-free bearing (bx, by, 1) into the current
@@ -72,14 +72,14 @@ struct Projection {
 /// P = d + t ρ; in both cases P = A + c B and dP/dc = B, for the coordinate c = c0 + mu (c1 - c0).
 /// So d(x, y)/dmu = (B_xy - (x, y) B_z)(c1 - c0) / P_z, and the distortion's Jacobian and focal
 /// lengths turn it to pixels. (docs/algorithm.md, "Projection")
-template <typename Model, typename T>
-LIVEMVS_HD inline Projection<T> ProjectSeed(const RelativeView<T>& view,
+template <typename Model, typename T, typename S>
+LIVEMVS_HD inline Projection<T> ProjectSeed(const RelativeView<S>& view,
                                             DepthCoordinate coordinate,
                                             const Interval<T>& interval,
                                             T bx,
                                             T by,
                                             T mu) {
-  const T inv_norm = T(1) / std::sqrt(bx * bx + by * by + T(1));
+  const T inv_norm = T(1) / Sqrt(bx * bx + by * by + T(1));
   const T d0 = (view.r[0] * bx + view.r[1] * by + view.r[2]) * inv_norm;
   const T d1 = (view.r[3] * bx + view.r[4] * by + view.r[5]) * inv_norm;
   const T d2 = (view.r[6] * bx + view.r[7] * by + view.r[8]) * inv_norm;
@@ -92,14 +92,14 @@ LIVEMVS_HD inline Projection<T> ProjectSeed(const RelativeView<T>& view,
   const T py = alpha * d1 + beta * view.t[1];
   const T pz = alpha * d2 + beta * view.t[2];
   Projection<T> p;
-  p.visible = pz > T(1e-6) * alpha && c > T(0);
-  const T inv_z = T(1) / (p.visible ? pz : T(1));
+  p.visible = (pz > T(1e-6) * alpha) & (c > T(0));
+  const T inv_z = T(1) / Select(p.visible, pz, T(1));
   const T x = px * inv_z;
   const T y = py * inv_z;
-  p.visible = p.visible && x * x + y * y <= view.camera.r2_max;
-  const T b0 = depth ? d0 : view.t[0];
-  const T b1 = depth ? d1 : view.t[1];
-  const T b2 = depth ? d2 : view.t[2];
+  p.visible = p.visible & (x * x + y * y <= T(view.camera.r2_max));
+  const T b0 = depth ? d0 : T(view.t[0]);
+  const T b1 = depth ? d1 : T(view.t[1]);
+  const T b2 = depth ? d2 : T(view.t[2]);
   const T gx = (b0 - x * b2) * length * inv_z;
   const T gy = (b1 - y * b2) * length * inv_z;
   const DistortedPoint<T> distorted = Model::Distort(view.camera.k, x, y);
@@ -107,8 +107,8 @@ LIVEMVS_HD inline Projection<T> ProjectSeed(const RelativeView<T>& view,
   p.y = view.camera.fy * distorted.y + view.camera.cy;
   const T ux = view.camera.fx * (distorted.xx * gx + distorted.xy * gy);
   const T uy = view.camera.fy * (distorted.yx * gx + distorted.yy * gy);
-  p.rate = std::sqrt(ux * ux + uy * uy);
-  const T inv_rate = p.rate > T(0) ? T(1) / p.rate : T(0);
+  p.rate = Sqrt(ux * ux + uy * uy);
+  const T inv_rate = Select(p.rate > T(0), T(1) / p.rate, T(0));
   p.dx = ux * inv_rate;
   p.dy = uy * inv_rate;
   p.foreshortening = length * b2 * inv_z;
@@ -124,56 +124,56 @@ template <typename T>
 LIVEMVS_HD inline T MuStep(const Projection<T>& p, T offset_px) {
   const T k = offset_px / p.rate;
   const T denominator = T(1) - k * p.foreshortening;
-  return k / (denominator > T(1e-3) ? denominator : T(1e-3));
+  return k / Select(denominator > T(1e-3), denominator, T(1e-3));
 }
 
 /// The inverse of MuStep: where along the line a change of mu leads [px].
 template <typename T>
 LIVEMVS_HD inline T OffsetOfMuStep(const Projection<T>& p, T mu_step) {
   const T denominator = T(1) + mu_step * p.foreshortening;
-  return p.rate * mu_step / (denominator > T(1e-3) ? denominator : T(1e-3));
+  return p.rate * mu_step / Select(denominator > T(1e-3), denominator, T(1e-3));
 }
 
-/// The samples i of the epipolar line, at (x, y) + i (dx, dy), that a search visits. Empty: last <
-/// first.
+/// The samples i of the epipolar line, at (x, y) + i (dx, dy), that a search visits: whole numbers,
+/// held as T. Empty: last < first.
+template <typename T>
 struct SearchRange {
-  int first;
-  int last;
+  T first;
+  T last;
 };
 
 /// Narrows [lo, hi], offsets along a line, to where origin + offset * direction is in [min, max].
 template <typename T>
 LIVEMVS_HD inline void ClipOffsets(T origin, T direction, T min, T max, T* lo, T* hi) {
   const T tiny = T(1e-6);
-  if (direction > tiny || direction < -tiny) {
-    const T s0 = (min - origin) / direction;
-    const T s1 = (max - origin) / direction;
-    const T smaller = s0 < s1 ? s0 : s1;
-    const T larger = s0 < s1 ? s1 : s0;
-    *lo = *lo > smaller ? *lo : smaller;
-    *hi = *hi < larger ? *hi : larger;
-  } else if (!(origin >= min && origin <= max)) {
-    *hi = *lo - T(1);
-  }
+  const MaskOf<T> moves = (direction > tiny) | (direction < -tiny);
+  const T divisor = Select(moves, direction, T(1));
+  const T s0 = (min - origin) / divisor;
+  const T s1 = (max - origin) / divisor;
+  const T smaller = Select(s0 < s1, s0, s1);
+  const T larger = Select(s0 < s1, s1, s0);
+  const T at_rest = Select((origin >= min) & (origin <= max), *hi, *lo - T(1));
+  *lo = Select(moves, Select(*lo > smaller, *lo, smaller), *lo);
+  *hi = Select(moves, Select(*hi < larger, *hi, larger), at_rest);
 }
 
 /// The samples to visit for a window of `radius_px` round the projection, one more on each side so
 /// that a maximum at its end can be told from a slope, clipped to the seed's interval (again with a
 /// sample to spare) and to where the patch, reaching `margin_px` from its centre, lies in the
 /// image.
-template <typename T>
-LIVEMVS_HD inline SearchRange ClipSearch(
-    const RelativeView<T>& view, const Projection<T>& p, T mu, T radius_px, T margin_px) {
+template <typename T, typename S>
+LIVEMVS_HD inline SearchRange<T> ClipSearch(
+    const RelativeView<S>& view, const Projection<T>& p, T mu, T radius_px, T margin_px) {
   const T from_mu0 = OffsetOfMuStep(p, -mu) - T(1);
   const T to_mu1 = OffsetOfMuStep(p, T(1) - mu) + T(1);
   T lo = -radius_px - T(1);
   T hi = radius_px + T(1);
-  lo = lo > from_mu0 ? lo : from_mu0;
-  hi = hi < to_mu1 ? hi : to_mu1;
-  ClipOffsets(p.x, p.dx, margin_px, view.width - T(1) - margin_px, &lo, &hi);
-  ClipOffsets(p.y, p.dy, margin_px, view.height - T(1) - margin_px, &lo, &hi);
-  if (!(hi >= lo)) return {0, -1};
-  return {static_cast<int>(std::ceil(lo)), static_cast<int>(std::floor(hi))};
+  lo = Select(lo > from_mu0, lo, from_mu0);
+  hi = Select(hi < to_mu1, hi, to_mu1);
+  ClipOffsets(p.x, p.dx, margin_px, T(view.width) - T(1) - margin_px, &lo, &hi);
+  ClipOffsets(p.y, p.dy, margin_px, T(view.height) - T(1) - margin_px, &lo, &hi);
+  const MaskOf<T> some = hi >= lo;
+  return {Select(some, Ceil(lo), T(0)), Select(some, Floor(hi), T(-1))};
 }
 
 }  // namespace livemvs

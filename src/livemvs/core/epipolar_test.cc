@@ -135,8 +135,8 @@ TEST_P(EpipolarTest, SearchStaysInThePictureTheIntervalAndTheWindow) {
     c.by = wide(random_);
     const Projection<double> p = Project(c, c.mu);
     if (!p.visible) continue;
-    const SearchRange range = ClipSearch(view_, p, c.mu, kRadius, kMargin);
-    for (int i = range.first; i <= range.last; ++i) {
+    const SearchRange<double> range = ClipSearch(view_, p, c.mu, kRadius, kMargin);
+    for (int i = static_cast<int>(range.first); i <= range.last; ++i) {
       ++searched;
       ASSERT_LE(std::abs(i), kRadius + 1);
       const Eigen::Vector2d sample(p.x + i * p.dx, p.y + i * p.dy);

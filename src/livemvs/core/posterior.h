@@ -24,28 +24,23 @@ LIVEMVS_HD inline T InlierRatio(const Posterior<T>& q) {
 
 /// exp(x) for x in [0, 87], the same on every instruction set and device; relative error below
 /// 3e-7.
-LIVEMVS_HD inline float Exp(float x) {
-  constexpr float kLog2E = 1.44269504F;
+template <typename T>
+LIVEMVS_HD inline T Exp(T x) {
+  const T log2_e(1.44269504F);
   // ln 2 in two parts, the first exact in the product with a small integer (Cody and Waite).
-  constexpr float kLn2High = 0.693359375F;
-  constexpr float kLn2Low = -2.12194440e-4F;
-  const float n = static_cast<float>(static_cast<int>(x * kLog2E + 0.5F));
-  const float r = (x - n * kLn2High) - n * kLn2Low;
+  const T ln2_high(0.693359375F), ln2_low(-2.12194440e-4F);
+  const T n = Floor(x * log2_e + T(0.5F));
+  const T r = (x - n * ln2_high) - n * ln2_low;
   // Taylor series on |r| <= ln 2 / 2; the remainder is below 1e-8.
-  float p = 1.0F / 5040;
-  p = p * r + 1.0F / 720;
-  p = p * r + 1.0F / 120;
-  p = p * r + 1.0F / 24;
-  p = p * r + 1.0F / 6;
-  p = p * r + 0.5F;
-  p = p * r + 1.0F;
-  p = p * r + 1.0F;
-  union {
-    int bits;
-    float value;
-  } power;
-  power.bits = (static_cast<int>(n) + 127) << 23;
-  return p * power.value;
+  T p(1.0F / 5040);
+  p = p * r + T(1.0F / 720);
+  p = p * r + T(1.0F / 120);
+  p = p * r + T(1.0F / 24);
+  p = p * r + T(1.0F / 6);
+  p = p * r + T(0.5F);
+  p = p * r + T(1.0F);
+  p = p * r + T(1.0F);
+  return Pow2(n) * p;
 }
 
 LIVEMVS_HD inline double Exp(double x) { return std::exp(x); }
@@ -71,15 +66,15 @@ struct Fused {
 /// @param u     Density of an outlier at x, > 0.
 template <typename T>
 LIVEMVS_HD inline Fused<T> Fuse(const Posterior<T>& q, T x, T tau2, T u) {
-  constexpr T kTwoPi = T(6.283185307179586);
+  const T two_pi = T(6.283185307179586);
   const T v = q.sigma2 + tau2;
   const T gain = q.sigma2 / v;
   const T d = x - q.mu;
   // Exponents are bounded, not only r, so that r times anything stays finite.
   const T exponent = d * d / (T(2) * v);
-  const T bounded = exponent < T(60) ? exponent : T(60);
-  T r = (q.b / q.a) * std::sqrt(kTwoPi * v) * u * Exp(bounded);
-  r = r < T(1e30) ? r : T(1e30);
+  const T bounded = Select(exponent < T(60), exponent, T(60));
+  T r = (q.b / q.a) * Sqrt(two_pi * v) * u * Exp(bounded);
+  r = Select(r < T(1e30), r, T(1e30));
   const T w1 = T(1) / (T(1) + r);
   const T w2 = r * w1;
   const T shift = gain * d;
@@ -111,12 +106,14 @@ class OutlierRule {
   OutlierRule(double eta, double certainty);
 
   /// True where the inlier ratio is below eta with the given certainty.
-  LIVEMVS_HD inline bool operator()(float a, float b) const {
-    const float position = a * kPerUnit;
-    if (!(position < static_cast<float>(kEntries - 1))) return false;
-    const int i = static_cast<int>(position);
-    const float t = position - static_cast<float>(i);
-    return b > b_max_[i] + t * (b_max_[i + 1] - b_max_[i]);
+  template <typename T>
+  LIVEMVS_HD inline MaskOf<T> operator()(T a, T b) const {
+    const T position = a * T(kPerUnit);
+    const MaskOf<T> inside = position < T(static_cast<float>(kEntries - 1));
+    const T at = Select(inside, position, T(0));
+    const T i = Floor(at);
+    const T from = Lookup(b_max_, i), to = Lookup(b_max_ + 1, i);
+    return inside & (b > from + (at - i) * (to - from));
   }
 
  private:

@@ -162,7 +162,7 @@ TEST(OutlierRuleTest, ThePapersRuleTakes352FailuresFromThePrior) {
   const OutlierRule rule(0.05, 0.99);
   int failures = 0;
   float b = 10;
-  while (!rule(10, b)) {
+  while (!rule(10.0F, b)) {
     b += 1;
     ++failures;
   }
@@ -170,9 +170,9 @@ TEST(OutlierRuleTest, ThePapersRuleTakes352FailuresFromThePrior) {
 }
 
 TEST(OutlierRuleTest, NeverCondemnsAtZeroOrWithMuchSupport) {
-  EXPECT_FALSE(OutlierRule(0, 0.99)(1, 1e6F));
+  EXPECT_FALSE(OutlierRule(0, 0.99)(1.0F, 1e6F));
   EXPECT_FALSE(OutlierRule(0.05, 0.99)(1e4F, 1e4F));
-  EXPECT_FALSE(OutlierRule(0.05, 0.99)(std::nanf(""), 10));
+  EXPECT_FALSE(OutlierRule(0.05, 0.99)(std::nanf(""), 10.0F));
 }
 
 }  // namespace

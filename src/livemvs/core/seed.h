@@ -46,7 +46,7 @@ LIVEMVS_HD inline DepthEstimate<T> DepthOf(DepthCoordinate coordinate,
                                            T sigma2) {
   const T length = interval.c1 - interval.c0;
   const T c = interval.c0 + mu * length;
-  const T sigma_c = std::sqrt(sigma2) * std::abs(length);
+  const T sigma_c = Sqrt(sigma2) * Abs(length);
   if (coordinate == DepthCoordinate::kDepth) return {c, sigma_c};
   const T depth = T(1) / c;
   return {depth, sigma_c * depth * depth};
@@ -55,21 +55,61 @@ LIVEMVS_HD inline DepthEstimate<T> DepthOf(DepthCoordinate coordinate,
 /// Z_max - Z_min of a seed's interval [scene].
 template <typename T>
 LIVEMVS_HD inline T DepthRange(DepthCoordinate coordinate, const Interval<T>& interval) {
-  if (coordinate == DepthCoordinate::kDepth) return std::abs(interval.c1 - interval.c0);
-  return std::abs(T(1) / interval.c0 - T(1) / interval.c1);
+  if (coordinate == DepthCoordinate::kDepth) return Abs(interval.c1 - interval.c0);
+  return Abs(T(1) / interval.c0 - T(1) / interval.c1);
 }
 
 /// Variance of mu with the error that all matches share: `step` is the change of mu per pixel of
 /// the current frame, so that the term shrinks as the baseline grows.
-LIVEMVS_HD inline float TotalVariance(float sigma2, float bias2_px, float step) {
+template <typename T>
+LIVEMVS_HD inline T TotalVariance(T sigma2, T bias2_px, T step) {
   return sigma2 + bias2_px * step * step;
 }
 
-/// Decides the outcome of a seed after a frame, [VH11] Sec. 4.3.
+/// SeedCounts as numbers that the mathematics computes with.
+template <typename T>
+struct CountsOf {
+  T age;
+  T views;
+  T unseen;
+};
+
+/// Decides the outcome of a seed after a frame, [VH11] Sec. 4.3. Returns the number of the Fate.
 /// @param total_sigma2  TotalVariance() in a frame that gave a match; negative in others, in which
-/// no
-///                      seed is converted.
+///                      no seed is converted.
 /// @param pixel_width   Width of a pixel at unit depth, 1 / f of the reference camera.
+template <typename T>
+LIVEMVS_HD inline T JudgeNumber(const Options& options,
+                                const OutlierRule& is_outlier,
+                                const Interval<T>& interval,
+                                const Posterior<T>& q,
+                                const CountsOf<T>& counts,
+                                T total_sigma2,
+                                float pixel_width) {
+  const auto number = [](Fate f) { return T(static_cast<float>(f)); };
+  const auto reaches = [](T count, int limit) { return count >= T(static_cast<float>(limit)); };
+  T fate = number(Fate::kAlive);
+  if (options.max_unseen > 0) {
+    fate = Select(reaches(counts.unseen, options.max_unseen), number(Fate::kUnseen), fate);
+  }
+  if (options.max_age > 0) {
+    fate = Select(reaches(counts.age, options.max_age), number(Fate::kAged), fate);
+  }
+  const DepthEstimate<T> z = DepthOf(options.coordinate, interval, q.mu, total_sigma2);
+  const MaskOf<T> sharp =
+      (z.sigma < T(options.epsilon_range) * DepthRange(options.coordinate, interval)) |
+      (z.sigma < T(options.epsilon_px * pixel_width) * z.depth);
+  const MaskOf<T> converged = (total_sigma2 >= T(0)) & (InlierRatio(q) > T(options.eta_inlier)) &
+                              reaches(counts.views, options.min_views) & sharp;
+  // Beyond its interval is where the user did not want points.
+  const MaskOf<T> wanted = (q.mu >= T(0)) & (q.mu <= T(1));
+  fate = Select(
+      converged, Select(wanted, number(Fate::kConverged), number(Fate::kLeftInterval)), fate);
+  fate = Select(is_outlier(q.a, q.b), number(Fate::kOutlier), fate);
+  return Select((q.mu > T(-0.1F)) & (q.mu < T(1.1F)), fate, number(Fate::kLeftInterval));
+}
+
+/// JudgeNumber() of one seed.
 LIVEMVS_HD inline Fate Judge(const Options& options,
                              const OutlierRule& is_outlier,
                              const Interval<float>& interval,
@@ -77,20 +117,15 @@ LIVEMVS_HD inline Fate Judge(const Options& options,
                              const SeedCounts& counts,
                              float total_sigma2,
                              float pixel_width) {
-  if (!(q.mu > -0.1F && q.mu < 1.1F)) return Fate::kLeftInterval;
-  if (is_outlier(q.a, q.b)) return Fate::kOutlier;
-  if (total_sigma2 >= 0 && InlierRatio(q) > options.eta_inlier &&
-      counts.views >= options.min_views) {
-    const DepthEstimate<float> z = DepthOf(options.coordinate, interval, q.mu, total_sigma2);
-    if (z.sigma < options.epsilon_range * DepthRange(options.coordinate, interval) ||
-        z.sigma < options.epsilon_px * pixel_width * z.depth) {
-      // Beyond its interval is where the user did not want points.
-      return q.mu >= 0 && q.mu <= 1 ? Fate::kConverged : Fate::kLeftInterval;
-    }
-  }
-  if (options.max_age > 0 && counts.age >= options.max_age) return Fate::kAged;
-  if (options.max_unseen > 0 && counts.unseen >= options.max_unseen) return Fate::kUnseen;
-  return Fate::kAlive;
+  return static_cast<Fate>(static_cast<int>(JudgeNumber<float>(options,
+                                                               is_outlier,
+                                                               interval,
+                                                               q,
+                                                               {static_cast<float>(counts.age),
+                                                                static_cast<float>(counts.views),
+                                                                static_cast<float>(counts.unseen)},
+                                                               total_sigma2,
+                                                               pixel_width)));
 }
 
 }  // namespace livemvs

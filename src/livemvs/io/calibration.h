@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "livemvs/core/camera.h"
 
@@ -16,8 +17,11 @@ Camera ReadOpenCvYaml(const std::filesystem::path& file);
 
 /// Writes a camera so that ReadOpenCvYaml() and OpenCV read it; a pinhole camera has distortion
 /// coefficients 0. The file appears whole or not at all.
+/// @param notes  Comments in front, a line each.
 /// @throws Error (kOutOfResource) where it cannot be written.
-void WriteOpenCvYaml(const std::filesystem::path& file, const Camera& camera);
+void WriteOpenCvYaml(const std::filesystem::path& file,
+                     const Camera& camera,
+                     const std::vector<std::string>& notes = {});
 
 /// Reads "fx fy cx cy [width height]" (integer pixel centres) from the first line of a text file.
 Camera ReadIntrinsicsText(const std::filesystem::path& file);

@@ -20,9 +20,12 @@ std::string Matrix(const char* name, int rows, int cols, const std::string& data
 
 }  // namespace
 
-void WriteOpenCvYaml(const std::filesystem::path& file, const Camera& camera) {
+void WriteOpenCvYaml(const std::filesystem::path& file,
+                     const Camera& camera,
+                     const std::vector<std::string>& notes) {
   const bool fisheye = camera.model == CameraModel::kKannalaBrandt;
   std::string yaml = "%YAML:1.0\n---\n";
+  for (const std::string& note : notes) yaml += "# " + note + "\n";
   yaml += "image_width: " + std::to_string(camera.width) + "\n";
   yaml += "image_height: " + std::to_string(camera.height) + "\n";
   if (fisheye) yaml += "distortion_model: fisheye\n";

@@ -1,5 +1,7 @@
 #include "livemvs/scan/journal_thread.h"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <utility>
 
@@ -16,11 +18,16 @@ constexpr milliseconds kSyncEvery{800};
 }  // namespace
 
 JournalThread::JournalThread(std::unique_ptr<JournalWriter> journal)
-    : journal_(std::move(journal)), queue_(kMostWaiting), thread_([this] { Run(); }) {}
+    : journal_(std::move(journal)),
+      queue_(kMostWaiting),
+      sync_handle_(journal_->DuplicateHandle()),
+      syncer_([this] { SyncNowAndThen(); }),
+      thread_([this] { Run(); }) {}
 
 JournalThread::~JournalThread() {
   queue_.Close();
   if (thread_.joinable()) thread_.join();
+  StopSyncing();
 }
 
 void JournalThread::Write(RecordType type, std::span<const std::uint8_t> payload) {
@@ -30,6 +37,7 @@ void JournalThread::Write(RecordType type, std::span<const std::uint8_t> payload
 void JournalThread::Finish() {
   queue_.Close();
   if (thread_.joinable()) thread_.join();
+  StopSyncing();
   if (failed_) std::rethrow_exception(failure_);
 }
 
@@ -47,20 +55,34 @@ void JournalThread::Run() {
 
 void JournalThread::Loop() {
   Clock::time_point flushed = Clock::now();
-  Clock::time_point synced = flushed;
   while (!queue_.finished()) {
-    if (const std::optional<Pending> record = queue_.Pop(kFlushEvery)) {
+    if (const std::optional<Pending> record = queue_.Pop(kFlushEvery / 4)) {
       journal_->Append(record->type, record->payload);
     }
-    const Clock::time_point now = Clock::now();
-    if (now - synced >= kSyncEvery) {
-      journal_->Sync();
-      flushed = synced = Clock::now();
-    } else if (now - flushed >= kFlushEvery) {
-      journal_->Flush();
-      flushed = Clock::now();
-    }
+    if (Clock::now() - flushed < kFlushEvery) continue;
+    journal_->Flush();
+    flushed = Clock::now();
   }
+}
+
+void JournalThread::SyncNowAndThen() {
+  std::unique_lock<std::mutex> lock(sync_mutex_);
+  while (!sync_changed_.wait_for(lock, kSyncEvery, [this] { return stop_syncing_; })) {
+    lock.unlock();
+    ::fdatasync(sync_handle_);  // what it cannot do, the last Sync() tells
+    lock.lock();
+  }
+}
+
+void JournalThread::StopSyncing() {
+  {
+    const std::lock_guard<std::mutex> lock(sync_mutex_);
+    stop_syncing_ = true;
+  }
+  sync_changed_.notify_all();
+  if (syncer_.joinable()) syncer_.join();
+  if (sync_handle_ >= 0) ::close(sync_handle_);
+  sync_handle_ = -1;
 }
 
 }  // namespace livemvs

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -16,7 +17,9 @@
 namespace livemvs {
 
 /// Writes a journal on a thread of its own: what was given to it is with the system within 0.2 s,
-/// and on the disk within about a second. After a write that failed, records are dropped.
+/// and on the disk within about a second, as fast as that is. Another thread waits for the disk, so
+/// that a slow one does not keep records from the system. After a write that failed, records are
+/// dropped.
 class JournalThread final : public RecordSink {
  public:
   explicit JournalThread(std::unique_ptr<JournalWriter> journal);
@@ -41,11 +44,18 @@ class JournalThread final : public RecordSink {
   };
   void Run();
   void Loop();
+  void SyncNowAndThen();
+  void StopSyncing();
 
   std::unique_ptr<JournalWriter> journal_;
   BoundedQueue<Pending> queue_;
   std::atomic<bool> failed_ = false;
   std::exception_ptr failure_;  ///< Set before failed_.
+  int sync_handle_ = -1;
+  bool stop_syncing_ = false;  ///< Guarded by the mutex.
+  std::mutex sync_mutex_;
+  std::condition_variable sync_changed_;
+  std::thread syncer_;
   std::thread thread_;
 };
 

@@ -112,6 +112,12 @@ void JournalWriter::Sync() {
   }
 }
 
+int JournalWriter::DuplicateHandle() const {
+  const int fd = ::fcntl(fd_, F_DUPFD_CLOEXEC, 0);
+  if (fd >= 0) return fd;
+  throw Error(ErrorKind::kOutOfResource, path_.string() + ": " + Reason(errno));
+}
+
 void JournalWriter::Fail(const char* what, int error) {
   failed_ = true;
   buffer_.clear();

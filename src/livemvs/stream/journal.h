@@ -38,6 +38,10 @@ class JournalWriter {
   /// Flush(), and waits until it is on the disk.
   void Sync();
 
+  /// Another handle of the file, for syncing it from another thread; the caller closes it.
+  /// @throws Error (kOutOfResource) where there is none to be had.
+  int DuplicateHandle() const;
+
   std::uint32_t next_sequence() const { return next_sequence_; }
   /// Of whole records, those in memory included.
   std::int64_t size() const { return flushed_ + static_cast<std::int64_t>(buffer_.size()); }

@@ -86,11 +86,14 @@ void SceneOptions::Check() const {
     throw std::invalid_argument("scene \"" + name + "\": unknown; choose from " +
                                 synth::SceneNames());
   }
+  if ((name == "sheet" || name == "board") && sheet == nullptr) {
+    throw std::invalid_argument("scene \"" + name + "\": needs what is printed on its sheet");
+  }
 }
 
 SyntheticScene::SyntheticScene(const SceneOptions& options) {
   options.Check();
-  description_ = synth::DescribeScene(options.name, options.seed);
+  description_ = synth::DescribeScene(options);
   caster_ = std::make_unique<synth::RayCaster>(description_.mesh);
   if (options.shadows) ComputeLight();
 }

@@ -8,6 +8,7 @@
 
 #include "livemvs/core/mesh.h"
 #include "livemvs/core/point.h"
+#include "livemvs/synth/printed_sheet.h"
 #include "livemvs/synth/scene_mesh.h"
 #include "livemvs/synth/texture.h"
 
@@ -20,6 +21,7 @@ class RayCaster;
 struct SceneDescription {
   SceneMesh mesh;
   std::vector<Material> materials;
+  std::shared_ptr<const PrintedSheet> sheet;      ///< As in SceneOptions.
   Box box;                                        ///< Holds what is to be reconstructed [m].
   Eigen::Vector3f lamp = {-0.65f, -0.5f, 0.95f};  ///< Centre of the lamp [m].
   float lamp_radius = 0.15f;                      ///< [m]
@@ -36,10 +38,13 @@ struct SceneOptions {
   /// m. house: a toy house with a garden, 0.3 m. room: a furnished room to walk in, 5 x 4 m. plane:
   /// a textured square of 2 x 2 m at z = 0, facing +z. hazards: what misleads a depth filter, 0.4
   /// m: plain, striped and glossy things, and a grating before a picture. bench: things on a desk,
-  /// 0.5 m; kept for measuring what was tuned elsewhere.
+  /// 0.5 m; kept for measuring what was tuned elsewhere. sheet: a printed sheet on a table, 0.42 m
+  /// across or as `sheet` says. board: the table's still life on it.
   std::string name = "table";
   std::uint64_t seed = 1;  ///< Of the textures.
-  bool shadows = true;     ///< Compute the light, which takes a second; else it is even everywhere.
+  /// What is printed on the sheet of the scenes sheet and board, which need it.
+  std::shared_ptr<const synth::PrintedSheet> sheet;
+  bool shadows = true;  ///< Compute the light, which takes a second; else it is even everywhere.
 
   void Check() const;  ///< @throws std::invalid_argument
 };

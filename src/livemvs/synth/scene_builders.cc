@@ -13,7 +13,7 @@ namespace {
 
 using Describe = void (*)(SceneWriter&, SceneDescription*);
 
-constexpr std::array<std::pair<std::string_view, Describe>, 7> kScenes{{
+constexpr std::array<std::pair<std::string_view, Describe>, 9> kScenes{{
     {"table", DescribeTable},
     {"relief", DescribeRelief},
     {"house", DescribeHouse},
@@ -21,6 +21,8 @@ constexpr std::array<std::pair<std::string_view, Describe>, 7> kScenes{{
     {"plane", DescribePlane},
     {"hazards", DescribeHazards},
     {"bench", DescribeBench},
+    {"sheet", DescribeSheet},
+    {"board", DescribeBoard},
 }};
 
 }  // namespace
@@ -41,13 +43,14 @@ std::string SceneNames() {
   return names;
 }
 
-SceneDescription DescribeScene(const std::string& name, std::uint64_t seed) {
+SceneDescription DescribeScene(const SceneOptions& options) {
   SceneDescription scene;
+  scene.sheet = options.sheet;
   scene.background_low = FromSrgb(0x8E8A84);
   scene.background_high = FromSrgb(0xC9CDD2);
-  SceneWriter writer(&scene, seed);
+  SceneWriter writer(&scene, options.seed);
   for (const auto& [scene_name, describe] : kScenes) {
-    if (scene_name == name) describe(writer, &scene);
+    if (scene_name == options.name) describe(writer, &scene);
   }
   return scene;
 }

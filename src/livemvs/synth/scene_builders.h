@@ -12,8 +12,8 @@ bool HasScene(const std::string& name);
 /// "table, relief, ..." for messages.
 std::string SceneNames();
 
-/// Builds a scene by name, which must exist.
-SceneDescription DescribeScene(const std::string& name, std::uint64_t seed);
+/// Builds a scene by its name, which must exist.
+SceneDescription DescribeScene(const SceneOptions& options);
 
 /// Adds materials and shapes to a description.
 class SceneWriter {
@@ -48,6 +48,9 @@ void AddTableTop(SceneWriter& writer, float length, float width, float z);
 /// @param size  Length, width and height of the walls [m].
 void AddHouse(SceneWriter& writer, const Eigen::Vector3f& size);
 
+/// Six solids on z = 0.
+void AddStillLife(SceneWriter& writer);
+
 void DescribeTable(SceneWriter& writer, SceneDescription* scene);
 void DescribeHouse(SceneWriter& writer, SceneDescription* scene);
 void DescribeRelief(SceneWriter& writer, SceneDescription* scene);
@@ -55,5 +58,7 @@ void DescribeRoom(SceneWriter& writer, SceneDescription* scene);
 void DescribePlane(SceneWriter& writer, SceneDescription* scene);
 void DescribeHazards(SceneWriter& writer, SceneDescription* scene);
 void DescribeBench(SceneWriter& writer, SceneDescription* scene);
+void DescribeSheet(SceneWriter& writer, SceneDescription* scene);
+void DescribeBoard(SceneWriter& writer, SceneDescription* scene);
 
 }  // namespace livemvs::synth

@@ -1,4 +1,4 @@
-// The scenes table, house and plane.
+// The scenes table, sheet, board, house and plane.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "livemvs/synth/noise.h"
+#include "livemvs/synth/printed_sheet.h"
 #include "livemvs/synth/scene_builders.h"
 
 namespace livemvs::synth {
@@ -155,12 +156,7 @@ void AddSmallThings(SceneWriter& writer) {
   AddPebble(writer, 0.021f);
 }
 
-void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
-  scene->box = {{-0.21, -0.15, -0.005}, {0.21, 0.15, 0.2}};
-  AddTableTop(writer, 1.0f, 0.8f, -0.004f);
-  writer.Use(SheetMaterial());
-  writer->AddBox({-0.21f, -0.15f, -0.004f}, {0.21f, 0.15f, 0.f});
-
+void AddStillLife(SceneWriter& writer) {
   writer.Place(-0.115, 0.055, 0, -14);
   AddHouse(writer, {0.105f, 0.08f, 0.062f});
 
@@ -197,6 +193,39 @@ void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
   writer->AddBox({-0.036f, -0.026f, 0.f}, {0.036f, 0.026f, 0.098f});
 
   AddSmallThings(writer);
+}
+
+void DescribeTable(SceneWriter& writer, SceneDescription* scene) {
+  scene->box = {{-0.21, -0.15, -0.005}, {0.21, 0.15, 0.2}};
+  AddTableTop(writer, 1.0f, 0.8f, -0.004f);
+  writer.Use(SheetMaterial());
+  writer->AddBox({-0.21f, -0.15f, -0.004f}, {0.21f, 0.15f, 0.f});
+  AddStillLife(writer);
+}
+
+void DescribeSheet(SceneWriter& writer, SceneDescription* scene) {
+  const double x = 0.5 * scene->sheet->width(), y = 0.5 * scene->sheet->height();
+  constexpr double kWhite = 0.012;  // around what is printed [m]
+  scene->box = {{-x, -y, -0.005}, {x, y, 0.2}};
+  AddTableTop(writer, 1.0f, 0.8f, -0.004f);
+  writer.Use({.name = "paper",
+              .texture = Texture::kPlain,
+              .base = FromSrgb(0xF2F0EA),
+              .textureless = true});
+  const auto out_x = static_cast<float>(x + kWhite), out_y = static_cast<float>(y + kWhite);
+  writer->AddBox({-out_x, -out_y, -0.004f}, {out_x, out_y, -0.0001f});
+  writer.Use({.name = "print",
+              .texture = Texture::kPrinted,
+              .base = FromSrgb(0xF2F0EA),
+              .second = FromSrgb(0x22211F),
+              .printed = scene->sheet});
+  const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
+  writer->AddQuad({-fx, -fy, 0}, {fx, -fy, 0}, {fx, fy, 0}, {-fx, fy, 0});
+}
+
+void DescribeBoard(SceneWriter& writer, SceneDescription* scene) {
+  DescribeSheet(writer, scene);
+  AddStillLife(writer);
 }
 
 void DescribeHouse(SceneWriter& writer, SceneDescription* scene) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "livemvs/synth/noise.h"
+#include "livemvs/synth/printed_sheet.h"
 
 namespace livemvs::synth {
 namespace {
@@ -220,6 +221,11 @@ Vector3f Brushed(const Place& s) {
   return Mix(s.m.base, s.m.second, std::clamp(t, 0.f, 1.f));
 }
 
+Vector3f Printed(const Place& s) {
+  if (s.normal.z() < 0.9f || s.m.printed == nullptr) return s.m.base;
+  return Mix(s.m.second, s.m.base, s.m.printed->PaperAt(s.object.x(), s.object.y(), s.footprint));
+}
+
 }  // namespace
 
 Vector3f FromSrgb(std::uint32_t rgb) {
@@ -280,6 +286,8 @@ Vector3f Reflectance(const Material& material,
       return Dots(place);
     case Texture::kBrushed:
       return Brushed(place);
+    case Texture::kPrinted:
+      return Printed(place);
   }
   return material.base;
 }

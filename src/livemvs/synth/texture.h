@@ -2,11 +2,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "livemvs/core/frame.h"
 
 namespace livemvs::synth {
+
+class PrintedSheet;
 
 /// Solid textures: functions of the place in the object.
 enum class Texture : std::uint8_t {
@@ -26,6 +29,7 @@ enum class Texture : std::uint8_t {
   kText,      ///< Lines of printed words, on flat faces.
   kDots,      ///< Round spots of many sizes.
   kBrushed,   ///< Fine lines along x, as of brushed metal or the edges of pages.
+  kPrinted,   ///< `printed` on the upper side: `base` the paper, `second` the ink.
 };
 
 /// What a surface is made of. Colours are linear reflectances, 0 to 1.
@@ -40,6 +44,7 @@ struct Material {
   /// Share of the light that is mirrored straight on, growing to 1 along the surface: glazed
   /// ceramics 0.05, polished metal 0.6; 0: matt, the same from everywhere.
   float gloss = 0;
+  std::shared_ptr<const PrintedSheet> printed;  ///< Of kPrinted.
   bool textureless = false;
   bool repetitive = false;
   Eigen::Vector3f shift = Eigen::Vector3f::Zero();  ///< Of the noise; from the scene's seed.

@@ -5,6 +5,7 @@
 
 #include "livemvs/backend/backend.h"
 #include "livemvs/backend/cpu/kernels.h"
+#include "livemvs/backend/cpu/row_pairs.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -59,14 +60,22 @@ class CpuBackend final : public Backend {
                           CameraModel model,
                           std::span<const ImageView<std::uint8_t>> pyramid) override {
     tasks_.clear();
+    pairs_.resize(pyramid.size());
+    std::vector<bool> paired(pyramid.size());
     for (const SeedGroup& group : groups) {
+      const auto level = static_cast<std::size_t>(group.level);
+      const bool warp = NeedsWarp(seeds, group, pyramid[level]);
+      if (warp && !paired[level]) {
+        pairs_[level].Build(pyramid[level]);
+        paired[level] = true;
+      }
       const UpdateJob job = {&options_,
                              &is_outlier_,
                              seeds,
                              &group,
                              model,
-                             pyramid[static_cast<std::size_t>(group.level)],
-                             NeedsWarp(seeds, group)};
+                             {pyramid[level], pairs_[level].view()},
+                             warp};
       for (std::size_t begin = group.begin; begin < group.end; begin += kSeedsPerTask) {
         tasks_.push_back({job, begin, std::min(begin + kSeedsPerTask, group.end)});
       }
@@ -83,8 +92,11 @@ class CpuBackend final : public Backend {
  private:
   // Whether the patches of a group look turned or scaled enough in the current image for the
   // sampling grid to follow. Decided once for the group, on its middle seed's scale.
-  bool NeedsWarp(const SeedColumns& seeds, const SeedGroup& group) const {
+  bool NeedsWarp(const SeedColumns& seeds,
+                 const SeedGroup& group,
+                 const ImageView<std::uint8_t>& image) const {
     if (group.begin == group.end) return false;
+    if (std::max(image.width, image.height) > kMostPixelsWarped) return false;
     const float roll_limit = std::cos(options_.warp_roll_deg * static_cast<float>(M_PI / 180));
     if (options_.warp_roll_deg > 0 && group.view.roll_cos < roll_limit) return true;
     if (options_.warp_scale <= 0) return false;
@@ -101,6 +113,7 @@ class CpuBackend final : public Backend {
   Options options_;
   OutlierRule is_outlier_;
   NamedKernel kernel_;
+  std::vector<RowPairs> pairs_;  // of the levels whose seeds need them
   std::vector<Task> tasks_;
   std::vector<UpdateStatistics> results_;
 };

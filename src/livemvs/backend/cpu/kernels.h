@@ -6,6 +6,16 @@
 
 namespace livemvs {
 
+/// The current picture at one level of its pyramid, as the samplers take it.
+struct CurrentImage {
+  ImageView<std::uint8_t> grey;
+  ImageView<std::uint16_t> pairs;  ///< RowPairs of it; needed where sampling grids are warped.
+};
+
+/// Pictures wider or higher than this are not sampled on warped grids, whose places are fixed-point
+/// numbers [px].
+inline constexpr int kMostPixelsWarped = 32'000;
+
 /// What the update of a run of seeds needs beside the seeds.
 struct UpdateJob {
   const Options* options;
@@ -13,7 +23,7 @@ struct UpdateJob {
   SeedColumns seeds;
   const SeedGroup* group;
   CameraModel model;
-  ImageView<std::uint8_t> image;
+  CurrentImage image;
   bool warp;  ///< Turn and scale the sampling grid with the relative pose.
 };
 
