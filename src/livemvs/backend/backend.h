@@ -56,6 +56,13 @@ class Backend {
                                   const std::vector<SeedGroup>& groups,
                                   CameraModel model,
                                   std::span<const ImageView<std::uint8_t>> pyramid) = 0;
+
+  /// Sets the pixels to 1 that the living seeds of the groups project to, in the picture of their
+  /// level.
+  virtual void MarkPlaces(const SeedColumns& seeds,
+                          const std::vector<SeedGroup>& groups,
+                          CameraModel model,
+                          std::span<Image<std::uint8_t>> marks) = 0;
 };
 
 /// The CPU backend. Options are copied.

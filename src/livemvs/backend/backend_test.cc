@@ -134,6 +134,7 @@ struct Agreement {
   int other_fate = 0;
   int other_peak = 0;               // matched both, but at another maximum
   double worst_mu = 0;              // over sigma
+  double mean_mu = 0;               // over sigma
   double worst_sigma2 = 0;          // relative
   double worst_a = 0, worst_b = 0;  // relative
 };
@@ -146,6 +147,8 @@ Agreement Compare(const Options& options,
                   int step,
                   int level = 0) {
   Agreement result;
+  double sum_mu = 0;
+  int compared = 0;
   std::vector<reference::Seed> seeds = Plant(options, frames[0], step);
   Columns columns(seeds);
   for (std::size_t f = 1; f < frames.size(); ++f) {
@@ -182,23 +185,29 @@ Agreement Compare(const Options& options,
         continue;
       }
       result.worst_mu = std::max(result.worst_mu, mu_error);
+      sum_mu += mu_error;
+      ++compared;
       result.worst_sigma2 =
           std::max(result.worst_sigma2, std::abs(columns.sigma2[i] / q.sigma2 - 1));
       result.worst_a = std::max(result.worst_a, std::abs(columns.a[i] / q.a - 1));
       result.worst_b = std::max(result.worst_b, std::abs(columns.b[i] / q.b - 1));
     }
   }
+  result.mean_mu = sum_mu / compared;
   return result;
 }
 
 // Decisions at thresholds (a score of just min_ncc, two equal maxima, a patch that just touches the
 // border) may fall either way in float and double.
 constexpr double kTies = 0.003;
-// A parabola through scores that differ in the fifth digit moves its vertex by up to a hundredth of
-// a pixel where the maximum is flat; in standard deviations of the posterior.
-constexpr double kMuTolerance = 0.05;
+// The kernels interpolate and multiply in integers of 16 bits (1/127 of a pixel, 1/32 of a grey
+// level): the vertex of the parabola through the scores moves by some thousandths of a pixel, and
+// by more where the maximum is flat. In standard deviations of the posterior, for all seeds and on
+// average.
+constexpr double kMuTolerance = 0.12;
+constexpr double kMeanMuTolerance = 0.003;
 // Through the weight w1, from the same cause.
-constexpr double kRelativeTolerance = 0.02;
+constexpr double kRelativeTolerance = 0.06;
 
 void ExpectAgreement(const Agreement& r, double tolerance_factor = 1) {
   EXPECT_GT(r.matched, r.updates / 4) << "too little to compare";
@@ -206,6 +215,7 @@ void ExpectAgreement(const Agreement& r, double tolerance_factor = 1) {
   EXPECT_LE(r.other_fate, kTies * r.updates);
   EXPECT_LE(r.other_peak, kTies * r.updates);
   EXPECT_LT(r.worst_mu, tolerance_factor * kMuTolerance);
+  EXPECT_LT(r.mean_mu, tolerance_factor * kMeanMuTolerance);
   EXPECT_LT(r.worst_sigma2, tolerance_factor * kRelativeTolerance);
   EXPECT_LT(r.worst_a, tolerance_factor * kRelativeTolerance);
   EXPECT_LT(r.worst_b, tolerance_factor * kRelativeTolerance);
@@ -225,7 +235,7 @@ TEST_P(AgainstReference, DepthAndInverseDepth) {
   const auto frames = SceneOf(GetParam()).Render(SidewaysPath(12));
   // The reference follows the bent line of a distorted image, the kernel its tangent: a tenth of a
   // pixel at the window's end, and through the weight some per cent of the variance.
-  const double factor = GetParam() == CameraModel::kPinhole ? 1 : 8;
+  const double factor = GetParam() == CameraModel::kPinhole ? 1 : 4;
   for (const auto coordinate : {DepthCoordinate::kDepth, DepthCoordinate::kInverseDepth}) {
     Options options = TestOptions();
     options.coordinate = coordinate;
@@ -281,9 +291,7 @@ TEST(AgainstReference, TurnedAndScaledPatches) {
             .toRotationMatrix();
     poses[i] = Rigid3d{roll, {0, 0, -0.015 * static_cast<double>(i)}} * poses[i];
   }
-  // Warped grids are interpolated with weights in 256ths.
-  constexpr double kQuantised = 2;
-  ExpectAgreement(Compare(TestOptions(), PlaneScene().Render(poses), true, 5), kQuantised);
+  ExpectAgreement(Compare(TestOptions(), PlaneScene().Render(poses), true, 5));
 }
 
 TEST(KernelsTest, InstructionSetsAgreeBitForBit) {

@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <utility>
+
+#include "livemvs/pipeline/seed_groups.h"
 
 namespace livemvs {
 namespace {
 
 // New seeds are planted once this share of the pool is free: planting looks at the whole picture.
-constexpr double kFreeShare = 0.004;
+constexpr double kFreeShare = 0.02;
 
 class StageTimer {
  public:
@@ -28,6 +31,19 @@ class StageTimer {
 const Options& Checked(const Options& options) {
   options.Check();
   return options;
+}
+
+// The first seed from i on that is not simply alive, or `end`.
+std::size_t SkipAlive(const Fate* fate, std::size_t i, std::size_t end) {
+  static_assert(sizeof(Fate) == 1 && static_cast<int>(Fate::kAlive) == 0);
+  std::uint64_t eight = 0;
+  while (i + sizeof eight <= end) {
+    std::memcpy(&eight, fate + i, sizeof eight);
+    if (eight != 0) break;
+    i += sizeof eight;
+  }
+  while (i < end && fate[i] == Fate::kAlive) ++i;
+  return i;
 }
 
 }  // namespace
@@ -73,28 +89,10 @@ void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
 
 void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.update_seconds);
-  groups_.clear();
-  std::vector<Camera> cameras;
-  std::vector<CameraParams<float>> params;
-  for (std::size_t level = 0; level < pyramid_.levels().size(); ++level) {
-    cameras.push_back(AtLevel(frame.camera, static_cast<int>(level)));
-    params.push_back(MakeCameraParams<float>(cameras.back()));
-  }
-  for (const ReferenceFrame& reference : pool_.references()) {
-    const auto level = static_cast<std::size_t>(reference.level);
-    if (level >= cameras.size()) continue;  // a smaller picture than the one they were born in
-    groups_.push_back({reference.begin,
-                       reference.end,
-                       reference.level,
-                       MakeRelativeView(reference.camera,
-                                        reference.cam_from_world,
-                                        cameras[level],
-                                        params[level],
-                                        frame.cam_from_world),
-                       static_cast<float>(1 / reference.camera.FocalLength())});
-  }
+  const std::vector<SeedGroup> groups =
+      MakeGroups(pool_.references(), frame.camera, frame.cam_from_world, pyramid_.levels().size());
   statistics_.updates +=
-      backend_->Update(pool_.columns(), groups_, frame.camera.model, pyramid_.levels());
+      backend_->Update(pool_.columns(), groups, frame.camera.model, pyramid_.levels());
 }
 
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
@@ -102,6 +100,8 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
   const Projector projector(frame.camera);
   for (const ReferenceFrame& reference : pool_.references()) {
     for (std::size_t i = reference.begin; i < reference.end; ++i) {
+      i = SkipAlive(pool_.columns().fate, i, reference.end);
+      if (i == reference.end) break;
       switch (pool_.columns().fate[i]) {
         case Fate::kAlive:
         case Fate::kRemoved:
@@ -126,7 +126,6 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
       pool_.Remove(i);
     }
   }
-  pool_.Compact();
 }
 
 void Reconstructor::Convert(const ReferenceFrame& reference,
@@ -196,7 +195,8 @@ void Reconstructor::ReportLiveSeeds() {
 void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.spawn_seconds);
   if (static_cast<double>(pool_.free_slots()) < kFreeShare * options_.max_seeds) return;
-  statistics_.seeds_spawned += spawner_.Spawn(frame, pyramid_.levels(), points_, &pool_);
+  statistics_.seeds_spawned +=
+      spawner_.Spawn(frame, pyramid_.levels(), points_, backend_.get(), &pool_);
 }
 
 }  // namespace livemvs

@@ -57,9 +57,15 @@ class Reconstructor {
   /// All points so far; normals are directions towards the camera that planted the seed.
   const PointCloud& points() const { return points_; }
   /// Hands all points over; the reconstruction may go on, but no longer knows what they cover.
-  PointCloud TakePoints() { return std::exchange(points_, {}); }
+  PointCloud TakePoints() {
+    spawner_.Forget();
+    return std::exchange(points_, {});
+  }
   /// Takes the points of an earlier run over: what they cover needs no seeds. Before any frame.
-  void Restore(PointCloud points) { points_ = std::move(points); }
+  void Restore(PointCloud points) {
+    spawner_.Forget();
+    points_ = std::move(points);
+  }
   std::size_t live_seeds() const { return pool_.size(); }
   /// The live seeds, until the next call of AddFrame(): for looking at them.
   const SeedPool& pool() const { return pool_; }
@@ -87,7 +93,6 @@ class Reconstructor {
   std::unique_ptr<Backend> backend_;
   PointCloud points_;
   ReconstructionStatistics statistics_;
-  std::vector<SeedGroup> groups_;
   SeedObserver* observer_ = nullptr;
   std::int64_t last_frame_ = 0;  // index of the latest frame
 };

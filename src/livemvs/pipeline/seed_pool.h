@@ -37,7 +37,8 @@ class SeedPool {
   std::size_t capacity() const { return capacity_; }
   /// Seeds alive. [VH11] S.
   std::size_t size() const { return alive_; }
-  std::size_t free_slots() const { return capacity_ - end_; }
+  /// Of which those that removed seeds left are usable after Compact() only.
+  std::size_t free_slots() const { return capacity_ - alive_; }
   const std::vector<ReferenceFrame>& references() const { return references_; }
   const SeedColumns& columns() const { return columns_; }
 

@@ -30,7 +30,7 @@ class SpawnerTest : public ::testing::Test {
   std::int64_t Spawn(Spawner& spawner, const PointCloud& points, SeedPool* pool) const {
     Pyramid pyramid;
     pyramid.Build(frame_.picture->grey, options_.levels);
-    return spawner.Spawn(frame_, pyramid.levels(), points, pool);
+    return spawner.Spawn(frame_, pyramid.levels(), points, MakeCpuBackend(options_).get(), pool);
   }
 
   // Pixels of the pool's seeds in their own frame.

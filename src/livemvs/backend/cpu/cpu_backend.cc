@@ -13,25 +13,28 @@ namespace livemvs {
 #if defined(__x86_64__)
 namespace avx512 {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-}
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace avx512
 namespace avx2 {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-}
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace avx2
 #endif
 namespace portable {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-}
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace portable
 
 std::vector<NamedKernel> UsableKernels() {
   std::vector<NamedKernel> kernels;
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
-    kernels.push_back({"AVX-512", avx512::Update});
+    kernels.push_back({"AVX-512", avx512::Update, avx512::Mark});
   }
-  if (__builtin_cpu_supports("avx2")) kernels.push_back({"AVX2", avx2::Update});
+  if (__builtin_cpu_supports("avx2")) kernels.push_back({"AVX2", avx2::Update, avx2::Mark});
 #endif
-  kernels.push_back({"portable", portable::Update});
+  kernels.push_back({"portable", portable::Update, portable::Mark});
   return kernels;
 }
 
@@ -87,6 +90,21 @@ class CpuBackend final : public Backend {
     UpdateStatistics sum;
     for (const UpdateStatistics& r : results_) sum += r;
     return sum;
+  }
+
+  void MarkPlaces(const SeedColumns& seeds,
+                  const std::vector<SeedGroup>& groups,
+                  CameraModel model,
+                  std::span<Image<std::uint8_t>> marks) override {
+    for (const SeedGroup& group : groups) {
+      Image<std::uint8_t>& picture = marks[static_cast<std::size_t>(group.level)];
+      const MarkJob job = {
+          options_.coordinate, seeds, &group, model, picture.Row(0), picture.stride()};
+      ParallelForRange(
+          group.begin, group.end, kSeedsPerTask, [&](std::size_t first, std::size_t last) {
+            kernel_.mark(job, first, last);
+          });
+    }
   }
 
  private:

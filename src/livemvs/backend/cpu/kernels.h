@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "livemvs/backend/backend.h"
 
@@ -30,10 +31,25 @@ struct UpdateJob {
 /// Step 2 of Algorithm 1 for the seeds [begin, end) of one group.
 using UpdateKernel = UpdateStatistics (*)(const UpdateJob& job, std::size_t begin, std::size_t end);
 
-/// The kernel, compiled for several instruction sets.
+/// What marking the places of a run of seeds needs.
+struct MarkJob {
+  DepthCoordinate coordinate;
+  SeedColumns seeds;
+  const SeedGroup* group;
+  CameraModel model;
+  std::uint8_t* marks;  ///< Of the size of the group's level of the pyramid.
+  std::ptrdiff_t stride;
+};
+
+/// Sets the pixels to 1 that seeds [begin, end) of one group project to. Several threads may write
+/// to the same picture.
+using MarkKernel = void (*)(const MarkJob& job, std::size_t begin, std::size_t end);
+
+/// The kernels, compiled for several instruction sets.
 struct NamedKernel {
   const char* name;
   UpdateKernel update;
+  MarkKernel mark;
 };
 
 /// The kernels that this processor can run, the fastest first. Never empty.

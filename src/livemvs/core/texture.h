@@ -1,0 +1,99 @@
+#pragma once
+
+#include "livemvs/core/options.h"
+#include "livemvs/core/platform.h"
+#include "livemvs/core/seed.h"
+
+namespace livemvs {
+
+/// What the inner 3x3 of a patch tells of its place along a line, see Texture().
+template <typename T>
+struct TextureSums {
+  T along2;        ///< Of the derivative along the line, squared. [grey levels²/px²]
+  T along_across;  ///< Of the derivatives along and across it.
+};
+
+/// Sums over the patch of products of its derivatives along and across the unit direction (ex, ey),
+/// less the share that a change of gain and offset would explain: NCC does not see those, so that a
+/// ramp of brightness looks the same wherever it is moved. From central differences on the inner
+/// 3x3, scaled to the whole patch.
+/// @param pixel  kPatchPixels grey levels, row-major.
+template <typename T>
+LIVEMVS_HD inline TextureSums<T> Texture(const T* pixel, const T& ex, const T& ey) {
+  constexpr int kInnerSide = kPatchSize - 2;
+  constexpr int kInner = kInnerSide * kInnerSide;
+  const T mean(1.0F / kInner), half(0.5F);
+  T grey[kInner], along[kInner], across[kInner];
+  T grey_sum(0.0F), along_sum(0.0F), across_sum(0.0F);
+  for (int r = 0; r < kInnerSide; ++r) {
+    for (int c = 0; c < kInnerSide; ++c) {
+      const int at = (r + 1) * kPatchSize + c + 1, i = r * kInnerSide + c;
+      const T gx = pixel[at + 1] - pixel[at - 1];
+      const T gy = pixel[at + kPatchSize] - pixel[at - kPatchSize];
+      grey_sum += grey[i] = pixel[at];
+      along_sum += along[i] = half * (ex * gx + ey * gy);
+      across_sum += across[i] = half * (ex * gy - ey * gx);
+    }
+  }
+  const T grey_mean = grey_sum * mean;
+  const T along_mean = along_sum * mean, across_mean = across_sum * mean;
+  T tt(0.0F), gt(0.0F), ht(0.0F), gg(0.0F), gh(0.0F);
+  for (int i = 0; i < kInner; ++i) {
+    const T t = grey[i] - grey_mean, g = along[i] - along_mean, h = across[i] - across_mean;
+    tt += t * t;
+    gt += g * t;
+    ht += h * t;
+    gg += g * g;
+    gh += g * h;
+  }
+  const T gain = gt / (tt + T(1e-3F));
+  const T scale = T(static_cast<float>(kPatchPixels)) * mean;
+  return {(gg - gain * gt) * scale, (gh - gain * ht) * scale};
+}
+
+/// tau of [VH11] Sec. 3, in pixels, and the error that all matches of a seed share.
+template <typename T>
+struct MatchErrors {
+  T tau2_px;   ///< Variance of a match [px²].
+  T bias2_px;  ///< Variance of the error that all matches of the seed share [px²].
+};
+
+/// Beside the matcher's own sigma there is what the image noise adds where the patch has little
+/// texture along the line (the Cramér-Rao bound of a shift between two noisy patches), and what an
+/// error across the line does where the patch's edges cross it at a slant.
+/// @param noise2  Variance of the noise of a pixel, see NoiseVariance().
+template <typename T>
+LIVEMVS_HD inline MatchErrors<T> PredictErrors(const Options& options,
+                                               float noise2,
+                                               const TextureSums<T>& texture) {
+  // The share of the noise in the sum of squared derivatives, in units of its variance: half of it
+  // in each central difference, of which two degrees of freedom are taken off.
+  constexpr float kNoiseShare = 0.5F * 7 * kPatchPixels / 9;
+  const T beyond_noise = texture.along2 - T(kNoiseShare * noise2);
+  const T signal = Select(beyond_noise > T(0.0F), beyond_noise, T(0.0F)) + T(1e-6F);
+  const T slip = T(options.epipolar_error_px) * texture.along_across / signal;
+  const float own = options.measurement_sigma_px * options.measurement_sigma_px;
+  return {T(own) + T(2 * noise2) / signal + slip * slip,
+          T(options.match_bias_px * options.match_bias_px) + slip * slip};
+}
+
+/// Variance of the noise at a level of the pyramid, where averaging has halved its sigma level by
+/// level [grey levels²].
+inline float NoiseVariance(const Options& options, int level) {
+  const float noise = std::ldexp(options.image_noise, -level);
+  return noise * noise;
+}
+
+/// Whether matches of a patch may be precise enough along a line of some direction.
+/// @param pixel   kPatchPixels grey levels, row-major.
+inline bool CanMatch(const Options& options, float noise2, const float* pixel) {
+  const TextureSums<float> x = Texture(pixel, 1.0F, 0.0F), y = Texture(pixel, 0.0F, 1.0F);
+  // Along the texture's principal axis nothing crosses at a slant: the larger eigenvalue.
+  const float half_difference = 0.5F * (x.along2 - y.along2);
+  const float largest = 0.5F * (x.along2 + y.along2) +
+                        Sqrt(half_difference * half_difference + x.along_across * x.along_across);
+  const float most = options.max_measurement_sigma_px * options.max_measurement_sigma_px;
+  return PredictErrors<float>(options, noise2, {largest, 0.0F}).tau2_px <= most;
+}
+
+}  // namespace livemvs

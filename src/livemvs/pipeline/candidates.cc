@@ -1,0 +1,164 @@
+#include "livemvs/pipeline/candidates.h"
+
+#include <mutex>
+#include <vector>
+
+#include "livemvs/core/seed.h"
+#include "livemvs/parallel/parallel_for.h"
+
+namespace livemvs {
+namespace {
+
+constexpr std::size_t kRowsPerTask = 32;
+
+// Order in which the pixels of a 4 x 4 cell are taken (Bayer).
+constexpr int kCell = 4;
+constexpr std::array<std::uint8_t, kCell* kCell> kPhaseOfCell = {
+    0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+
+// Finds the candidates of consecutive rows. Loops run over whole rows, one quantity each, so that
+// the compiler makes vectors of them; grey levels and their sums are whole numbers that float
+// holds.
+class RowFinder {
+ public:
+  RowFinder(const ImageView<std::uint8_t>& grey,
+            const ImageView<std::uint8_t>& marks,
+            const CandidateRule& rule)
+      : grey_(grey),
+        marks_(marks),
+        rule_(rule),
+        sum_(grey.width),
+        squares_(grey.width),
+        flat_(grey.width),
+        marked_(grey.width + 2 * std::max(rule.cover_radius, 0)) {
+    for (int cell_y = 0; cell_y < kCell; ++cell_y) phases_[cell_y] = PhasesOfRow(cell_y);
+  }
+
+  // Writes 1 + phase of each pixel of the row, or 0. Rows come one after the other.
+  void Find(int y, std::uint8_t* __restrict out) {
+    MoveColumnsTo(y);
+    if (y % rule_.spacing != 0) {
+      std::memset(out, 0, static_cast<std::size_t>(grey_.width));
+      return;
+    }
+    FindFlat();
+    if (rule_.cover_radius >= 0) AddMarked(y);
+    const std::uint8_t* __restrict flat = flat_.data();
+    const std::uint8_t* __restrict phases = phases_[y / rule_.spacing % kCell].data();
+    for (int x = 0; x < grey_.width; ++x) {
+      out[x] = phases[x] & static_cast<std::uint8_t>(flat[x] - 1);
+    }
+  }
+
+ private:
+  // 1 + the phase of each pixel of a row that may be planted; 0 off the grid and out of the
+  // rectangle.
+  std::vector<std::uint8_t> PhasesOfRow(int cell_y) const {
+    std::vector<std::uint8_t> phases(grey_.width);
+    const int first = (rule_.rect.x0 + rule_.spacing - 1) / rule_.spacing;
+    for (int i = first; i * rule_.spacing < rule_.rect.x1; ++i) {
+      phases[i * rule_.spacing] =
+          static_cast<std::uint8_t>(1 + kPhaseOfCell[kCell * cell_y + i % kCell]);
+    }
+    return phases;
+  }
+
+  // Sums over columns of kPatchSize pixels about row y.
+  void MoveColumnsTo(int y) {
+    if (y == row_ + 1) {
+      AddRow(y + kPatchRadius, y - kPatchRadius - 1);
+    } else {
+      std::fill(sum_.begin(), sum_.end(), 0.0F);
+      std::fill(squares_.begin(), squares_.end(), 0.0F);
+      for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) AddRow(y + dy, -1);
+    }
+    row_ = y;
+  }
+
+  // Adds a row to the columns, and takes another off unless it is -1.
+  void AddRow(int added, int removed) {
+    const std::uint8_t* __restrict in = grey_.Row(added);
+    float* __restrict sum = sum_.data();
+    float* __restrict squares = squares_.data();
+    if (removed < 0) {
+      for (int x = 0; x < grey_.width; ++x) {
+        const auto v = static_cast<float>(in[x]);
+        sum[x] += v;
+        squares[x] += v * v;
+      }
+      return;
+    }
+    const std::uint8_t* __restrict out = grey_.Row(removed);
+    for (int x = 0; x < grey_.width; ++x) {
+      const auto v = static_cast<float>(in[x]), w = static_cast<float>(out[x]);
+      sum[x] += v - w;
+      squares[x] += v * v - w * w;
+    }
+  }
+
+  // 1 where a patch has too little contrast.
+  void FindFlat() {
+    constexpr float kPixels = kPatchPixels;
+    // n² var = n Σv² - (Σv)²
+    const float least = rule_.min_stddev * rule_.min_stddev * kPixels * kPixels;
+    const float* __restrict sum = sum_.data();
+    const float* __restrict squares = squares_.data();
+    std::uint8_t* __restrict flat = flat_.data();
+    static_assert(kPatchRadius == 2);
+    for (int x = rule_.rect.x0; x < rule_.rect.x1; ++x) {
+      const float s = sum[x - 2] + sum[x - 1] + sum[x] + sum[x + 1] + sum[x + 2];
+      const float q =
+          squares[x - 2] + squares[x - 1] + squares[x] + squares[x + 1] + squares[x + 2];
+      flat[x] = static_cast<std::uint8_t>(kPixels * q - s * s < least);
+    }
+  }
+
+  // 1 also where a mark is near.
+  void AddMarked(int y) {
+    const int radius = rule_.cover_radius, width = grey_.width;
+    std::uint8_t* __restrict marked = marked_.data() + radius;
+    std::memset(marked, 0, static_cast<std::size_t>(width));
+    for (int v = std::max(y - radius, 0); v <= std::min(y + radius, marks_.height - 1); ++v) {
+      const std::uint8_t* __restrict row = marks_.Row(v);
+      for (int x = 0; x < width; ++x) marked[x] |= row[x];
+    }
+    std::uint8_t* __restrict flat = flat_.data();
+    for (int dx = -radius; dx <= radius; ++dx) {
+      for (int x = 0; x < width; ++x) flat[x] |= marked[x + dx];
+    }
+  }
+
+  ImageView<std::uint8_t> grey_, marks_;
+  CandidateRule rule_;
+  std::array<std::vector<std::uint8_t>, kCell> phases_;
+  int row_ = -2;
+  std::vector<float> sum_, squares_;
+  std::vector<std::uint8_t> flat_;    // 1 where nothing is planted
+  std::vector<std::uint8_t> marked_;  // with a margin of the radius on both sides
+};
+
+}  // namespace
+
+void Candidates::Find(const ImageView<std::uint8_t>& grey,
+                      const ImageView<std::uint8_t>& marks,
+                      const CandidateRule& rule) {
+  if (phase_.width() != grey.width || phase_.height() != grey.height) {
+    phase_ = Image<std::uint8_t>(grey.width, grey.height);
+  }
+  rect_ = rule.rect;
+  count_.fill(0);
+  if (rect_.y0 >= rect_.y1 || rect_.x0 >= rect_.x1) return;
+  std::mutex mutex;
+  ParallelForRange(rect_.y0, rect_.y1, kRowsPerTask, [&](std::size_t first, std::size_t last) {
+    RowFinder finder(grey, marks, rule);
+    std::array<std::size_t, kPhases> count{};
+    for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y) {
+      finder.Find(y, phase_.Row(y));
+      ForEachInRow(y, [&](int, int, int phase) { ++count[phase]; });
+    }
+    const std::scoped_lock lock(mutex);
+    for (int p = 0; p < kPhases; ++p) count_[p] += count[p];
+  });
+}
+
+}  // namespace livemvs
