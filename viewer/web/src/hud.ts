@@ -81,7 +81,11 @@ export interface Live {
   eta_s?: number;
 }
 
-export function showNumbers(live: Live | null, points: number, rate: number): void {
+export function showNumbers(live: Live | null, points: number, triangles: number, rate: number): void {
+  const mesh = points === 0 && triangles > 0;
+  el("n-what").textContent = mesh ? "triangles" : "points";
+  if (mesh) points = triangles;
+  el("numbers").querySelector("dl")!.hidden = live === null;
   el("n-points").textContent = short(points);
   el("n-points").title = count(points);
   if (!live) return;

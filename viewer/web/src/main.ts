@@ -197,7 +197,7 @@ function update(): void {
       controls.frame(known);
     }
     showState(state);
-    showNumbers(live, store.visible, statistics.rate);
+    showNumbers(live, store.visible, triangles, statistics.rate);
     if (live) showSpeed(live, describe(state).text === "Live");
     controls.update(live !== null);
     stage.invalidate();
