@@ -65,7 +65,12 @@ class Backend {
                           std::span<Image<std::uint8_t>> marks) = 0;
 };
 
-/// The CPU backend. Options are copied.
+/// An environment variable with the name of the instruction set to use, for tests and comparisons:
+/// "AVX-512 VNNI", "AVX-512", "AVX2" or "portable". Results are the same with all.
+inline constexpr const char* kInstructionsVariable = "LIVEMVS_INSTRUCTIONS";
+
+/// The CPU backend, for the fastest instructions that the processor has. Options are copied.
+/// @throws std::invalid_argument where the environment asks for instructions that it has not.
 std::unique_ptr<Backend> MakeCpuBackend(const Options& options);
 
 }  // namespace livemvs

@@ -419,5 +419,61 @@ TEST(CpuBackendTest, CountsEveryLiveSeedOnceWhateverTheThreads) {
   }
 }
 
+TEST(CpuBackendTest, TheEnvironmentChoosesTheInstructions) {
+  for (const NamedKernel& kernel : UsableKernels()) {
+    ::setenv(kInstructionsVariable, kernel.name, 1);
+    EXPECT_EQ(MakeCpuBackend(Options())->name(), std::string("CPU, ") + kernel.name);
+  }
+  ::setenv(kInstructionsVariable, "MMX", 1);
+  EXPECT_THROW(MakeCpuBackend(Options()), std::invalid_argument);
+  ::unsetenv(kInstructionsVariable);
+  EXPECT_EQ(MakeCpuBackend(Options())->name(), std::string("CPU, ") + UsableKernels().front().name);
+}
+
+TEST(KernelsTest, MarksThePixelsThatLivingSeedsProjectTo) {
+  const auto frames = PlaneScene().Render(SidewaysPath(3));
+  const auto seeds = Plant(TestOptions(), frames[0], 5);
+  const SeedGroup group = GroupOf(frames[0], frames[2], seeds.size());
+  for (const NamedKernel& kernel : UsableKernels()) {
+    Columns columns(seeds);
+    for (std::size_t i = 0; i < seeds.size(); i += 3) columns.fate[i] = Fate::kRemoved;
+    Image<std::uint8_t> marks(frames[2].camera.width, frames[2].camera.height);
+    Image<std::uint8_t> expected(marks.width(), marks.height());
+    kernel.mark({TestOptions().coordinate,
+                 columns.View(),
+                 &group,
+                 frames[2].camera.model,
+                 marks.Row(0),
+                 marks.stride()},
+                0,
+                seeds.size());
+    const Projector projector(frames[2].camera);
+    int near_two_pixels = 0, marked = 0;
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      if (columns.fate[i] != Fate::kAlive) continue;
+      const DepthEstimate<float> z = DepthOf<float>(
+          TestOptions().coordinate, {columns.c0[i], columns.c1[i]}, columns.mu[i], 0);
+      const Eigen::Vector3d ray(columns.bearing_x[i], columns.bearing_y[i], 1);
+      const Eigen::Vector3d point =
+          frames[0].cam_from_world.Inverse() * Eigen::Vector3d(ray.normalized() * double{z.depth});
+      const auto pixel = projector.Project(frames[2].cam_from_world * point);
+      if (!pixel || !frames[2].camera.Contains(*pixel)) continue;
+      const auto x = static_cast<int>(std::lround(pixel->x()));
+      const auto y = static_cast<int>(std::lround(pixel->y()));
+      // Halves may be rounded either way.
+      near_two_pixels += marks(x, y) == 0;
+      expected(x, y) = 1;
+      ++marked;
+    }
+    EXPECT_GT(marked, 500) << kernel.name;
+    EXPECT_LE(near_two_pixels, marked / 500) << kernel.name;
+    int unexpected = 0;
+    for (int y = 0; y < marks.height(); ++y) {
+      for (int x = 0; x < marks.width(); ++x) unexpected += marks(x, y) != 0 && expected(x, y) == 0;
+    }
+    EXPECT_LE(unexpected, marked / 500) << kernel.name;
+  }
+}
+
 }  // namespace
 }  // namespace livemvs

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "livemvs/backend/backend.h"
 #include "livemvs/backend/cpu/kernels.h"
@@ -11,6 +13,10 @@
 namespace livemvs {
 
 #if defined(__x86_64__)
+namespace avx512vnni {
+UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace avx512vnni
 namespace avx512 {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
 void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
@@ -30,6 +36,9 @@ std::vector<NamedKernel> UsableKernels() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
+    if (__builtin_cpu_supports("avx512vnni")) {
+      kernels.push_back({"AVX-512 VNNI", avx512vnni::Update, avx512vnni::Mark});
+    }
     kernels.push_back({"AVX-512", avx512::Update, avx512::Mark});
   }
   if (__builtin_cpu_supports("avx2")) kernels.push_back({"AVX2", avx2::Update, avx2::Mark});
@@ -39,6 +48,20 @@ std::vector<NamedKernel> UsableKernels() {
 }
 
 namespace {
+
+// The kernel that the environment asks for, or else the fastest.
+NamedKernel ChooseKernel() {
+  const std::vector<NamedKernel> kernels = UsableKernels();
+  const char* wanted = std::getenv(kInstructionsVariable);
+  if (wanted == nullptr || *wanted == 0) return kernels.front();
+  std::string usable;
+  for (const NamedKernel& kernel : kernels) {
+    if (std::string_view(kernel.name) == wanted) return kernel;
+    usable += std::string(usable.empty() ? "" : ", ") + kernel.name;
+  }
+  throw std::invalid_argument(std::string(kInstructionsVariable) + "=" + wanted +
+                              ": this processor can run " + usable);
+}
 
 // Seeds per task: enough to amortise the scheduler, few enough to balance two cores.
 constexpr std::size_t kSeedsPerTask = 2048;
@@ -54,7 +77,7 @@ class CpuBackend final : public Backend {
   explicit CpuBackend(const Options& options)
       : options_(options),
         is_outlier_(options.eta_outlier, options.outlier_certainty),
-        kernel_(UsableKernels().front()) {}
+        kernel_(ChooseKernel()) {}
 
   std::string name() const override { return std::string("CPU, ") + kernel_.name; }
 

@@ -1,0 +1,106 @@
+#include "livemvs/pipeline/candidates.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "livemvs/core/seed.h"
+
+namespace livemvs {
+namespace {
+
+using Found = std::set<std::tuple<int, int>>;
+
+// Patchy texture and a few marks.
+struct TexturedPicture {
+  Image<std::uint8_t> grey, marks;
+};
+TexturedPicture RandomPicture(int width, int height) {
+  TexturedPicture p{Image<std::uint8_t>(width, height), Image<std::uint8_t>(width, height)};
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double contrast = 40 * std::max(0.0, std::sin(x * 0.05) * std::cos(y * 0.07));
+      p.grey(x, y) = static_cast<std::uint8_t>(120 + contrast * (uniform(random) - 0.5));
+      p.marks(x, y) = uniform(random) < 0.02;
+    }
+  }
+  return p;
+}
+
+// The definition, word by word.
+Found Expected(const TexturedPicture& p, const CandidateRule& rule) {
+  Found found;
+  for (int y = rule.rect.y0; y < rule.rect.y1; ++y) {
+    for (int x = rule.rect.x0; x < rule.rect.x1; ++x) {
+      if (x % rule.spacing != 0 || y % rule.spacing != 0) continue;
+      bool near_mark = false;
+      for (int v = y - rule.cover_radius; v <= y + rule.cover_radius; ++v) {
+        for (int u = x - rule.cover_radius; u <= x + rule.cover_radius; ++u) {
+          const bool inside = u >= 0 && v >= 0 && u < p.marks.width() && v < p.marks.height();
+          near_mark = near_mark || (inside && p.marks(u, v) != 0);
+        }
+      }
+      double sum = 0, squares = 0;
+      for (int k = 0; k < kPatchPixels; ++k) {
+        const double v =
+            p.grey(x + k % kPatchSize - kPatchRadius, y + k / kPatchSize - kPatchRadius);
+        sum += v;
+        squares += v * v;
+      }
+      const double mean = sum / kPatchPixels;
+      const double stddev = std::sqrt(std::max(squares / kPatchPixels - mean * mean, 0.0));
+      if (!near_mark && stddev >= rule.min_stddev) found.insert({x, y});
+    }
+  }
+  return found;
+}
+
+class CandidatesTest : public ::testing::TestWithParam<std::tuple<int, int>> {};
+
+TEST_P(CandidatesTest, AreThePixelsOfTheDefinition) {
+  const auto [spacing, cover_radius] = GetParam();
+  const TexturedPicture p = RandomPicture(157, 113);
+  const CandidateRule rule = {{5, 4, 150, 109}, spacing, cover_radius, 6.05F};
+  Candidates candidates;
+  candidates.Find(p.grey.view(), p.marks.view(), rule);
+  Found found;
+  std::array<std::size_t, Candidates::kPhases> count{};
+  candidates.ForEach([&](int x, int y, int phase) {
+    found.insert({x, y});
+    ++count[phase];
+  });
+  const Found expected = Expected(p, rule);
+  EXPECT_GT(expected.size(), 20U);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(count, candidates.count());
+}
+
+INSTANTIATE_TEST_SUITE_P(SpacingsAndRadii,
+                         CandidatesTest,
+                         ::testing::Combine(::testing::Values(1, 2, 3),
+                                            ::testing::Values(-1, 0, 1, 2)));
+
+TEST(Candidates, PhasesAreSpreadEvenly) {
+  Image<std::uint8_t> grey(200, 200), marks(200, 200);
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 200; ++x) grey(x, y) = (x + y) % 2 == 0 ? 0 : 200;
+  }
+  Candidates candidates;
+  candidates.Find(grey.view(), marks.view(), {{4, 4, 196, 196}, 1, 1, 10});
+  for (const std::size_t n : candidates.count()) EXPECT_EQ(n, 192U * 192U / Candidates::kPhases);
+}
+
+TEST(Candidates, NothingInAnEmptyRectangle) {
+  Image<std::uint8_t> grey(8, 8), marks(8, 8);
+  Candidates candidates;
+  candidates.Find(grey.view(), marks.view(), {{3, 3, 3, 5}, 1, 1, 0});
+  candidates.ForEach([](int, int, int) { FAIL(); });
+}
+
+}  // namespace
+}  // namespace livemvs
