@@ -75,6 +75,13 @@ void TrackReport::Print() const {
   }
   std::printf(
       "%.2f ms a frame (median), %.2f ms (99 %%)\n", Quantile(times, 0.5), Quantile(times, 0.99));
+  const double readout = rows_.empty() ? 0 : rows_.back().estimate.rolling_readout;
+  if (readout > 0) {
+    std::printf(
+        "the shutter seems to roll (%.0f %% of a frame's time from the first row to the last): "
+        "move slowly\n",
+        100 * readout);
+  }
   if (tracked < frames())
     std::printf("most frames without a pose: %s\n", commonest_problem().c_str());
 }

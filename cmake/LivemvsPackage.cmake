@@ -7,5 +7,6 @@ configure_package_config_file(cmake/livemvsConfig.cmake.in "${PROJECT_BINARY_DIR
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/livemvsConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(EXPORT livemvs NAMESPACE livemvs:: FILE livemvsTargets.cmake DESTINATION "${package_dir}" COMPONENT development)
 install(FILES "${PROJECT_BINARY_DIR}/livemvsConfig.cmake" "${PROJECT_BINARY_DIR}/livemvsConfigVersion.cmake"
+        "${PROJECT_SOURCE_DIR}/cmake/FindOpenCvAruco.cmake"
         DESTINATION "${package_dir}" COMPONENT development)
 install(FILES LICENSE NOTICE DESTINATION "${CMAKE_INSTALL_DOCDIR}")

@@ -99,6 +99,30 @@ check "interrupted run ended with $status, not 130" test $status -eq 130
 check "interrupted run took over 5 s to end" test $((($(date +%s%N) - interrupt_time) / 1000000)) -lt 5000
 check "interrupted run wrote no cloud" test -s "$work/out.ply"
 
+# --- A printed board --------------------------------------------------------------------------------
+expect 0 "check the ruler" "$program" board -o "$work/a4.json" --pdf "$work/a4.pdf" --png "$work/a4.png" --plain 4x2
+check "the PDF is none" grep -q '^%PDF' "$work/a4.pdf"
+expect 2 "does not fit the page" "$program" board -o "$work/a4.json" --pdf "$work/a4.pdf" --square-mm 40
+expect 2 "fewer codes" "$program" board -o "$work/a4.json" --squares 40x40 --square-mm 5 --dictionary DICT_4X4_50
+expect 2 "COLUMNSxROWS" "$program" board -o "$work/a4.json" --squares twelve
+expect 0 "board.json" "$program" synth --scene sheet --frames 24 --arc 40 --size 640x480 --spp 2 --no-mesh -o "$work/sheet" \
+  --progress none
+tracked=(--data "$work/sheet" --board "$work/sheet/board.json")
+expect 0 "tracked 24 of 24 frames" "$program" track "${tracked[@]}" -o "$work/poses.txt" --report "$work/frames.csv"
+check "no TUM poses" test "$(grep -vc '^#' "$work/poses.txt")" -eq 24
+expect 0 "transforms.json" "$program" track "${tracked[@]}" -o "$work/transforms.json"
+expect 0 "colmap" "$program" track "${tracked[@]}" -o "$work/colmap" --camera-output "$work/camera.yaml"
+check "no COLMAP model" test -s "$work/colmap/images.txt"
+expect 0 "24 frames" "$program" info "$work/sheet/video.mp4" --poses "$work/poses.txt" --camera "$work/camera.yaml" --quick
+expect 1 "no good calibration" "$program" calibrate "${tracked[@]}" -o "$work/refused.yaml"
+check "a refused calibration was written" test ! -e "$work/refused.yaml"
+expect 3 "board not seen" "$program" track --data "$sample" --board "$work/a4.json" -o "$work/none.txt"
+expect 3 "board not seen" "$program" calibrate --data "$sample" --board "$work/a4.json" -o "$work/none.yaml"
+check "poses without a board were written" test ! -e "$work/none.txt"
+echo '{"format": "livemvs board", "version": 1}' >"$work/broken.json"
+expect 3 "broken.json" "$program" track --data "$work/sheet" --board "$work/broken.json" -o "$work/none.txt"
+expect 3 "no such file or folder" "$program" track --data "$work/absent" --board "$work/a4.json" -o "$work/none.txt"
+
 # --- Bad usage --------------------------------------------------------------------------------------
 expect 2 "--data" "$program" run -o "$work/out.ply"
 expect 2 "preset 'fast' is unknown" run --data "$sample" --preset fast

@@ -310,19 +310,27 @@ void Append(const Picture& picture, std::string* y4m) {
   }
 }
 
-// Writes to a FIFO as a camera's program does, and goes away.
-void Send(const fs::path& fifo, const std::vector<std::string>& parts) {
-  const int fd = ::open(fifo.c_str(), O_WRONLY);
+// Writes to a FIFO as a camera's program does, and goes away. False where nobody reads it.
+bool Send(const fs::path& fifo, const std::vector<std::string>& parts) {
+  int fd = -1;
+  for (int i = 0; i < 1000 && fd < 0; ++i) {
+    fd = ::open(fifo.c_str(), O_WRONLY | O_NONBLOCK);
+    if (fd < 0) std::this_thread::sleep_for(milliseconds(10));
+  }
+  if (fd < 0) return false;
+  ::fcntl(fd, F_SETFL, 0);  // from here on it waits
+  bool sent = true;
   for (const std::string& part : parts) {
     std::size_t done = 0;
-    while (done < part.size()) {
+    while (sent && done < part.size()) {
       const ssize_t n = ::write(fd, part.data() + done, part.size() - done);
-      if (n <= 0) break;
-      done += static_cast<std::size_t>(n);
+      sent = n > 0;
+      done += sent ? static_cast<std::size_t>(n) : 0;
     }
     std::this_thread::sleep_for(milliseconds(30));
   }
   ::close(fd);
+  return sent;
 }
 
 TEST_F(ScanProcess, ACameraThatGoesAwayInTheMiddleAndComesBack) {
@@ -352,12 +360,12 @@ TEST_F(ScanProcess, ACameraThatGoesAwayInTheMiddleAndComesBack) {
                 "--seeds",
                 "5000",
                 "--patience",
-                "2",
+                "6",
                 "--progress",
                 "json"});
-  Send(fifo, first);
+  ASSERT_TRUE(Send(fifo, first)) << scan.text();
   EXPECT_TRUE(scan.WaitFor("camera lost")) << scan.text();
-  Send(fifo, second);
+  ASSERT_TRUE(Send(fifo, second)) << scan.text();
   EXPECT_EQ(scan.Wait(), 0) << scan.text();
   EXPECT_NE(scan.text().find("pictures come again"), std::string::npos) << scan.text();
   EXPECT_NE(scan.text().find("did not come back"), std::string::npos) << scan.text();

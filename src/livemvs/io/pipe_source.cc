@@ -1,170 +1,23 @@
 #include "livemvs/io/pipe_source.h"
 
-extern "C" {
-#include <libavutil/pixdesc.h>
-}
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
-#include "livemvs/io/live_decoder.h"
 #include "livemvs/io/pipe_reader.h"
+#include "livemvs/io/pipe_stream.h"
 
 namespace livemvs {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kSignBytes = 189;  // of a transport stream: a packet, and the next one's sign
-constexpr int kBufferBytes = 1 << 16;
-
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-bool IsRaw(const PipeOptions& options) { return !options.format.empty(); }
-
-// FFmpeg's name of the demuxer, by the first bytes; empty: unknown.
-std::string DemuxerOf(const std::vector<std::uint8_t>& head) {
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-  if (text.starts_with("YUV4MPEG2 ")) return "yuv4mpegpipe";
-  if (text.starts_with("\xFF\xD8\xFF")) return "mjpeg";
-  if (text.starts_with("\x1A\x45\xDF\xA3")) return "matroska";
-  if (text.size() >= kSignBytes && text[0] == 0x47 && text[188] == 0x47) return "mpegts";
-  using std::string_view_literals::operator""sv;
-  if (text.starts_with("\0\0\0\1"sv) || text.starts_with("\0\0\1"sv)) return "h264";
-  return "";
-}
-
-// Whether the times of a form's pictures mean anything.
-bool HasTimes(const std::string& demuxer) {
-  return demuxer == "yuv4mpegpipe" || demuxer == "matroska" || demuxer == "mpegts";
-}
-
-/// The demuxer and decoder of what one writer sends.
-class Stream {
- public:
-  Stream(const std::string& name, const PipeOptions& options, PipeReader* reader);
-  ~Stream() {
-    if (io_ != nullptr) av_freep(&io_->buffer);
-    avio_context_free(&io_);
-  }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-
-  struct Output {
-    Picture picture;
-    std::optional<double> time;  ///< [s] in the stream.
-  };
-  /// Nothing at the end.
-  std::optional<Output> Next();
-
-  const AVStream& stream() const { return *stream_; }
-  std::string demuxer() const { return demuxer_; }
-  std::int64_t damaged() const { return decoder_ ? decoder_->damaged() : 0; }
-
- private:
-  struct FormatDeleter {
-    void operator()(AVFormatContext* p) const { avformat_close_input(&p); }
-  };
-  void Open(const std::string& name, const PipeOptions& options, PipeReader* reader);
-
-  AVIOContext* io_ = nullptr;
-  std::unique_ptr<AVFormatContext, FormatDeleter> format_;
-  AVStream* stream_ = nullptr;
-  std::string demuxer_;
-  std::optional<LiveDecoder> decoder_;
-  ffmpeg::Packet packet_ = ffmpeg::MakePacket();
-  bool drained_ = false;
-};
-
-int ReadBytes(void* opaque, std::uint8_t* data, int size) {
-  const std::size_t n =
-      static_cast<PipeReader*>(opaque)->Read(data, static_cast<std::size_t>(size));
-  return n > 0 ? static_cast<int>(n) : AVERROR_EOF;
-}
-
-Stream::Stream(const std::string& name, const PipeOptions& options, PipeReader* reader) {
-  ffmpeg::Silence();
-  if (IsRaw(options)) {
-    demuxer_ = "rawvideo";
-  } else {
-    const std::vector<std::uint8_t> head = reader->Peek(kSignBytes);
-    if (head.empty()) throw BadInput(name + ": nothing comes");
-    demuxer_ = DemuxerOf(head);
-    if (demuxer_.empty()) {
-      throw BadInput(name +
-                     ": what comes is neither Motion JPEG, y4m, an MPEG transport stream, Matroska "
-                     "nor H.264; raw frames need --pipe-format");
-    }
-  }
-  Open(name, options, reader);
-  const int index = av_find_best_stream(format_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-  if (index < 0) throw BadInput(name + ": what comes holds no video");
-  stream_ = format_->streams[index];
-  decoder_.emplace(name, *stream_->codecpar);
-}
-
-void Stream::Open(const std::string& name, const PipeOptions& options, PipeReader* reader) {
-  auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
-  if (buffer == nullptr) throw std::bad_alloc();
-  io_ = avio_alloc_context(buffer, kBufferBytes, 0, reader, ReadBytes, nullptr, nullptr);
-  AVFormatContext* raw = avformat_alloc_context();
-  if (io_ == nullptr || raw == nullptr) throw std::bad_alloc();
-  raw->pb = io_;
-  AVDictionary* dictionary = nullptr;
-  // Look at little before the first picture; nothing but this form, and no further files.
-  av_dict_set(&dictionary, "probesize", "1000000", 0);
-  av_dict_set(&dictionary, "analyzeduration", "500000", 0);
-  av_dict_set(&dictionary, "fpsprobesize", "0", 0);
-  av_dict_set(&dictionary, "protocol_whitelist", "", 0);
-  av_dict_set(&dictionary, "format_whitelist", demuxer_.c_str(), 0);
-  if (IsRaw(options)) {
-    const std::string size = std::to_string(options.width) + "x" + std::to_string(options.height);
-    av_dict_set(&dictionary, "video_size", size.c_str(), 0);
-    av_dict_set(&dictionary, "pixel_format", options.format.c_str(), 0);
-  }
-  int result =
-      avformat_open_input(&raw, nullptr, av_find_input_format(demuxer_.c_str()), &dictionary);
-  av_dict_free(&dictionary);
-  format_.reset(raw);
-  if (result >= 0) result = avformat_find_stream_info(raw, nullptr);
-  if (result < 0) {
-    throw BadInput(name + ": what comes cannot be read as " + demuxer_ + " (" +
-                   ffmpeg::ErrorText(result) + ")");
-  }
-}
-
-std::optional<Stream::Output> Stream::Next() {
-  constexpr int kMaxErrorsInARow = 100;
-  int errors = 0;
-  while (true) {
-    if (std::optional<LiveDecoder::Output> output = decoder_->Receive()) {
-      std::optional<double> time;
-      if (HasTimes(demuxer_) && output->pts != AV_NOPTS_VALUE) {
-        time = static_cast<double>(output->pts) * av_q2d(stream_->time_base);
-      }
-      return Output{std::move(output->picture), time};
-    }
-    const int result = av_read_frame(format_.get(), packet_.get());
-    if (result == AVERROR_EOF ||
-        (result < 0 && (io_->eof_reached || ++errors == kMaxErrorsInARow))) {
-      if (drained_) return std::nullopt;
-      drained_ = true;
-      decoder_->Drain();
-      continue;
-    }
-    if (result < 0) continue;
-    if (packet_->stream_index == stream_->index) decoder_->Send(*packet_);
-    av_packet_unref(packet_.get());
-  }
 }
 
 class PipeSource final : public LiveSource {
@@ -202,7 +55,7 @@ class PipeSource final : public LiveSource {
     Answer answer;
     if (reader_.cancelled()) return answer;
     if (stream_ == nullptr && !Reconnect()) return answer;
-    std::optional<Stream::Output> output =
+    std::optional<PipeStream::Output> output =
         first_ ? std::exchange(first_, std::nullopt) : stream_->Next();
     statistics_.skipped = skipped_before_ + stream_->damaged();
     if (!output) return Disconnect();
@@ -213,7 +66,7 @@ class PipeSource final : public LiveSource {
 
  private:
   void Connect() {
-    stream_ = std::make_unique<Stream>(name_, options_, &reader_);
+    stream_ = std::make_unique<PipeStream>(name_, options_, &reader_);
     stream_start_.reset();
   }
 
@@ -242,7 +95,7 @@ class PipeSource final : public LiveSource {
     return answer;
   }
 
-  SourceFrame MakeFrame(Stream::Output output) {
+  SourceFrame MakeFrame(PipeStream::Output output) {
     if (!begin_) begin_ = Clock::now();
     const double now = SecondsSince(*begin_);
     double timestamp = now;
@@ -264,8 +117,7 @@ class PipeSource final : public LiveSource {
     const AVStream& stream = stream_->stream();
     info_.width = stream.codecpar->width;
     info_.height = stream.codecpar->height;
-    if (HasTimes(stream_->demuxer()) && stream.avg_frame_rate.num > 0 &&
-        stream.avg_frame_rate.den > 0) {
+    if (stream_->has_times() && stream.avg_frame_rate.num > 0 && stream.avg_frame_rate.den > 0) {
       info_.frames_per_second = av_q2d(stream.avg_frame_rate);
     }
     info_.description = "pipe of " + std::string(avcodec_get_name(stream.codecpar->codec_id)) +
@@ -276,8 +128,8 @@ class PipeSource final : public LiveSource {
   std::string name_;
   PipeOptions options_;
   PipeReader reader_;
-  std::unique_ptr<Stream> stream_;
-  std::optional<Stream::Output> first_;
+  std::unique_ptr<PipeStream> stream_;
+  std::optional<PipeStream::Output> first_;
   FrameSource::Info info_;
   FrameSource::Statistics statistics_;
   std::int64_t skipped_before_ = 0;

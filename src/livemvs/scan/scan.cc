@@ -25,6 +25,7 @@ bool Same(const Camera& a, const Camera& b) {
 EndMessage::Reason ReasonOf(ScanEnd end) {
   switch (end) {
     case ScanEnd::kInterrupted:
+    case ScanEnd::kSourceLost:  // it may be gone on with
       return EndMessage::kInterrupted;
     case ScanEnd::kFailed:
       return EndMessage::kFailed;

@@ -55,7 +55,7 @@ struct TextMessage {
 struct EndMessage {
   enum Reason : std::uint8_t {
     kFinished = 0,     ///< The source came to its end, or the user said so.
-    kInterrupted = 1,  ///< By a signal.
+    kInterrupted = 1,  ///< By the user, or because the camera did not come back.
     kFailed = 2,       ///< `text` says why.
   };
   Reason reason = kFinished;

@@ -103,7 +103,8 @@ JournalContents ReadJournal(const std::filesystem::path& path) {
     }
   }
   if (contents.replay.sessions().empty()) {
-    throw BadInput(path.string() + ": holds no whole record of a scan's beginning; start the scan anew");
+    throw BadInput(path.string() +
+                   ": holds no whole record of a scan's beginning; start the scan anew");
   }
   contents.valid_bytes = reader.valid_bytes();
   contents.next_sequence = reader.next_sequence();

@@ -10,6 +10,7 @@
 
 #include "livemvs/io/dataset.h"
 #include "livemvs/tracking/board_tracker.h"
+#include "livemvs/tracking/track_score.h"
 #include "livemvs/tracking/tracking_test_util.h"
 
 namespace livemvs {
@@ -29,7 +30,7 @@ TEST(BoardOrbitTest, PosesAgreeWithTheExactOnes) {
   options.data = folder;
   const auto dataset = OpenDataset(options);
   const auto tracker = MakeBoardTracker(Board(), dataset->views()[0].camera);
-  TrackScore score;
+  TrackScore score(BoxAbove(Board(), 0.12));
   double total_ms = 0;
   while (const auto frame = dataset->Next()) {
     const auto start = std::chrono::steady_clock::now();
@@ -38,18 +39,7 @@ TEST(BoardOrbitTest, PosesAgreeWithTheExactOnes) {
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     Rigid3d truth = frame->cam_from_world;
     truth.translation += truth.rotation * Eigen::Vector3d(0, 0, kSheetHeight);
-    score.Add(e, frame->camera, truth, BoxAbove(Board(), 0.12));
-    if (score.frames() % 20 == 1 || !e.cam_from_world) {
-      std::printf("%3d corners %3d rms %.3f sigma %.3f blur %.2f %s | center %.3f mm pixel %.3f\n",
-                  score.frames() - 1,
-                  e.observations,
-                  e.rms_px,
-                  e.sigma_px,
-                  e.blur_px,
-                  e.problem.c_str(),
-                  1e3 * score.last_center(),
-                  score.last_pixel());
-    }
+    score.Add(e, frame->camera, truth);
   }
   std::printf("%s; %.2f ms per frame\n", score.Summary().c_str(), total_ms / score.frames());
   EXPECT_EQ(score.tracked(), score.frames());
@@ -65,20 +55,12 @@ TEST(BoardOrbitTest, FindsTheFocalLengthItself) {
   options.data = folder;
   const auto dataset = OpenDataset(options);
   const auto tracker = MakeBoardTracker(Board(), std::nullopt);
-  TrackScore score;
+  TrackScore score(BoxAbove(Board(), 0.12));
   while (const auto frame = dataset->Next()) {
     const PoseEstimate e = tracker->Estimate(*frame->picture, frame->timestamp);
     Rigid3d truth = frame->cam_from_world;
     truth.translation += truth.rotation * Eigen::Vector3d(0, 0, kSheetHeight);
-    score.Add(e, frame->camera, truth, BoxAbove(Board(), 0.12));
-    if (score.frames() % 10 == 1) {
-      std::printf("%3d f %.2f k %.4f %.4f %s\n",
-                  score.frames() - 1,
-                  tracker->camera().fx,
-                  tracker->camera().distortion[0],
-                  tracker->camera().distortion[1],
-                  e.problem.c_str());
-    }
+    score.Add(e, frame->camera, truth);
   }
   std::printf("%s\n", score.Summary().c_str());
   const double expected = dataset->views()[0].camera.fx;

@@ -7,6 +7,7 @@
 
 #include "livemvs/tracking/frame_pose.h"
 #include "livemvs/tracking/motion.h"
+#include "livemvs/tracking/rolling_shutter.h"
 #include "livemvs/tracking/self_calibration.h"
 
 namespace livemvs {
@@ -90,7 +91,11 @@ class BoardTracker : public PoseSource {
     }
     const FramePose& pose = *result.pose;
     seen_before_ = true;
+    if (const auto previous = motion_.Last(timestamp, options_.max_gap_seconds)) {
+      rolling_.Add(camera_, pose.fit, pose.observations, *previous);
+    }
     motion_.Add(timestamp, pose.fit.cam_from_world);
+    estimate.rolling_readout = rolling_.Readout().value_or(0);
     estimate.state = TrackingState::kTracking;
     estimate.cam_from_world = pose.fit.cam_from_world;
     estimate.observations = pose.fit.inliers;
@@ -107,6 +112,7 @@ class BoardTracker : public PoseSource {
   std::optional<SelfCalibration> self_calibration_;
   std::optional<Projector> projector_;
   Motion motion_;
+  RollingShutterWatch rolling_;
   bool seen_before_ = false;
 };
 

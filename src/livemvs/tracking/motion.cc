@@ -10,8 +10,13 @@ void Motion::Add(double time, const Rigid3d& cam_from_world) {
   last_ = Known{time, cam_from_world};
 }
 
-std::optional<Rigid3d> Motion::Predict(double time, double max_gap) const {
+std::optional<Rigid3d> Motion::Last(double time, double max_gap) const {
   if (!last_ || !(time >= last_->time) || time - last_->time > max_gap) return std::nullopt;
+  return last_->pose;
+}
+
+std::optional<Rigid3d> Motion::Predict(double time, double max_gap) const {
+  if (!Last(time, max_gap)) return std::nullopt;
   if (!before_ || !(last_->time > before_->time) || last_->time - before_->time > max_gap) {
     return last_->pose;
   }

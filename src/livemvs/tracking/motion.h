@@ -10,7 +10,9 @@ namespace livemvs {
 class Motion {
  public:
   void Add(double time, const Rigid3d& cam_from_world);
-  void Reset() { last_.reset(); }
+
+  /// The last pose, where it is no more than `max_gap` before a time. [s]
+  std::optional<Rigid3d> Last(double time, double max_gap) const;
 
   /// The pose at a time [s] after the last one, or nothing where that is more than `max_gap` away
   /// or before it.

@@ -24,7 +24,10 @@ struct PoseEstimate {
   double rms_px = 0;     ///< Of their reprojection.
   /// Expected error of where this pose sees the things to be reconstructed, at the worst place.
   double sigma_px = 0;
-  double blur_px = 0;   ///< How far the picture moved during the exposure, as far as is known.
+  double blur_px = 0;  ///< How far the picture moved during the exposure, as far as is known.
+  /// Part of a frame's time from the first row read to the last, where the source is certain that
+  /// the shutter rolls: poses are then those of the middle row, and worse when the camera moves.
+  double rolling_readout = 0;
   std::string problem;  ///< For people, where there is no pose: "board not seen".
 };
 
