@@ -28,6 +28,16 @@ stage.overlay.add(rig.group);
 
 const state: RunState = { link: "connecting", engine: "running", tracking: 1, ended: null, points: 0, source: "" };
 let unit = "";
+const NOTHING: Live = {
+  frames: 0,
+  frames_total: 0,
+  frames_dropped: 0,
+  seeds: 0,
+  motion_px: 0,
+  window_px: 0,
+  sharpness: 1,
+  elapsed_s: 0,
+};
 let live: Live | null = null;
 let triangles = 0;
 let sceneBox: P.SceneInfo["box"] = null;
@@ -112,7 +122,8 @@ function take({ type, data }: P.Rec): void {
       state.ended = P.decodeEnd(data);
       break;
     case P.Type.Statistics:
-      if (!live) live = P.decodeJson(data) as unknown as Live;
+      // A journal's; where the program is there itself, what it says of this moment counts.
+      if (!live) live = { ...NOTHING, ...P.decodeJson(data) };
       break;
     case P.Type.Live: {
       const json = P.decodeJson(data);
