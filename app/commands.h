@@ -25,6 +25,7 @@ void AddSynthCommand(CLI::App& app);
 void AddEvalCommand(CLI::App& app);
 void AddDepthCheckCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 void AddBoardCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddTrackCommand(CLI::App& app);

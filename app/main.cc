@@ -44,6 +44,7 @@ int Main(int argc, char** argv) {
   AddEvalCommand(app);
   AddDepthCheckCommand(app);
   AddRenderCommand(app);
+  AddViewCommand(app);
   AddBoardCommand(app);
   AddCalibrateCommand(app);
   AddTrackCommand(app);

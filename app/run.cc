@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "cloud_output.h"
@@ -20,6 +21,7 @@
 #include "method_options.h"
 #include "output_check.h"
 #include "progress.h"
+#include "run_view.h"
 
 namespace livemvs::app {
 namespace {
@@ -35,6 +37,8 @@ struct RunArguments {
   fs::path trace;
   std::string progress = "auto";
   bool ray_normals = false;
+  double speed = 0;  // of the recording; 0: as fast as it goes
+  ViewOptions view;
 };
 
 double SecondsSince(Clock::time_point start) {
@@ -62,10 +66,12 @@ nlohmann::json StatisticsJson(const RunArguments& args,
 std::exception_ptr Reconstruct(Prefetcher* frames,
                                std::int64_t frame_count,
                                Progress* progress,
-                               Reconstructor* reconstructor) {
+                               Reconstructor* reconstructor,
+                               RunView* view) {
   try {
     while (const std::optional<PosedFrame> frame = frames->Next(Interrupted)) {
-      reconstructor->AddFrame(*frame);
+      const std::span<const Point> converged = reconstructor->AddFrame(*frame);
+      if (!view->Show(*frame, converged, frame_count, *reconstructor)) break;
       progress->Show({"reconstruct",
                       reconstructor->statistics().frames,
                       frame_count,
@@ -121,6 +127,10 @@ void Run(const RunArguments& args) {
   const Options options = FitToData(MakeOptions(args.method), *dataset, range);
 
   Reconstructor reconstructor(options, range);
+  RunView view({args.view, args.speed, args.dataset.data.filename().string()},
+               options,
+               range,
+               dataset->description());
   std::optional<TraceObserver> trace;
   if (!args.trace.empty()) reconstructor.SetObserver(&trace.emplace(args.trace));
   Progress progress(progress_mode);
@@ -129,8 +139,11 @@ void Run(const RunArguments& args) {
   std::exception_ptr failure;
   {
     Prefetcher frames(dataset.get());
-    failure = Reconstruct(
-        &frames, static_cast<std::int64_t>(dataset->views().size()), &progress, &reconstructor);
+    failure = Reconstruct(&frames,
+                          static_cast<std::int64_t>(dataset->views().size()),
+                          &progress,
+                          &reconstructor,
+                          &view);
     frame_statistics = frames.statistics();
   }
   progress.Finish();
@@ -153,13 +166,15 @@ void Run(const RunArguments& args) {
               rate);
   std::printf("%s\n", fs::absolute(args.output).c_str());
   if (!args.stats.empty()) WriteStatistics(args.stats, statistics);
+  const bool interrupted = Interrupted();
+  view.Close(reconstructor.statistics().frames, statistics["points"].get<std::int64_t>(), failure);
   if (failure) std::rethrow_exception(failure);
   if (trace) {
     reconstructor.ReportLiveSeeds();
     trace->Finish();
     std::printf("%s\n", fs::absolute(args.trace).c_str());
   }
-  if (Interrupted()) throw CLI::RuntimeError(kExitInterrupted);
+  if (interrupted) throw CLI::RuntimeError(kExitInterrupted);
 }
 
 }  // namespace
@@ -177,6 +192,11 @@ void AddRunCommand(CLI::App& app) {
   command->add_flag("--ray-normals",
                     args->ray_normals,
                     "Write viewing directions as normals, instead of estimating planes");
+  command->add_option("--speed", args->speed, "Take the frames at so many times their own pace")
+      ->check(CLI::PositiveNumber);
+  command->add_flag_callback(
+      "--realtime", [args] { args->speed = 1; }, "Take the frames as fast as they were filmed");
+  AddViewOptions(command, &args->view);
   command->add_option("--progress", args->progress, "auto, line, json or none");
   command->footer(
       "Examples:\n"
@@ -184,6 +204,7 @@ void AddRunCommand(CLI::App& app) {
       "  livemvs run --data video.mp4 --poses poses.txt --camera camera.yaml -o scan.ply\n"
       "  livemvs run --data scan/ --box -0.2 -0.2 0 0.2 0.2 0.3 --stats scan.json -o scan.ply\n"
       "  livemvs run --data scan/ --preset paper -o paper.ply\n"
+      "  livemvs run --data scan/ --view -o scan.ply\n"
       "  livemvs run --data photos/ --search full -o photos.ply\n"
       "  livemvs run --data scene/ --trace scene.trace -o scene.ply    (see 'livemvs eval "
       "--help')\n\n"

@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "interrupt.h"
+#include "live_view.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
 #include "livemvs/scan/journal_thread.h"
@@ -116,27 +117,73 @@ std::unique_ptr<JournalWriter> OpenJournal(const Folder& folder) {
       path, folder.before->valid_bytes, folder.before->next_sequence);
 }
 
-ScanResult Film(const ScanArguments& args, const Folder& folder, ScanInput* input) {
+// The viewer of a scan, if any: it gets the journal's records, those of before among them.
+std::unique_ptr<LiveView> OpenView(const ScanArguments& args,
+                                   const Folder& folder,
+                                   const ScanInput& input) {
+  if (!args.view.view) return nullptr;
+  viewer::FeedOptions feed;
+  feed.engine = input.settings.method;
+  feed.records = false;
+  auto view = std::make_unique<LiveView>(args.view, folder.path.filename().string(), feed);
+  if (folder.before) {
+    JournalReader journal(folder.path / kJournalName);
+    while (const std::optional<Record> record = journal.Next()) {
+      view->log().Append(record->type, record->payload);
+    }
+  }
+  return view;
+}
+
+void Show(const PosedFrame& frame,
+          std::span<const Point> converged,
+          const Reconstructor& reconstructor,
+          viewer::LiveCounts counts,
+          LiveView* view) {
+  counts.frames = reconstructor.statistics().frames;
+  counts.seeds = static_cast<std::int64_t>(reconstructor.live_seeds());
+  counts.points = static_cast<std::int64_t>(reconstructor.points().size());
+  view->feed().AddFrame(frame, converged, counts, &reconstructor.pool());
+  view->WaitWhilePaused(Interrupted);
+}
+
+ScanResult Film(const ScanArguments& args, const Folder& folder, ScanInput* input, LiveView* view) {
   const Replay* before = folder.before ? &folder.before->replay : nullptr;
   std::unique_ptr<JournalWriter> writer = OpenJournal(folder);
-  writer->Append(RecordType::kSession, SessionOf(args, before != nullptr));
+  const std::vector<std::uint8_t> session = SessionOf(args, before != nullptr);
+  writer->Append(RecordType::kSession, session);
   writer->Sync();  // from here on it can be resumed
   JournalThread journal(std::move(writer));
   Scan scan(input->settings, input->source, input->poses);
   if (before != nullptr) scan.Continue(*before);
   scan.AddSink(&journal);
+  if (view != nullptr) {
+    view->log().Append(RecordType::kSession, session);
+    scan.AddSink(&view->log());
+  }
   Progress progress(ParseProgressMode(args.progress));
   Scan::Watch watch;
-  watch.stop = Interrupted;
+  watch.stop = [view] { return Interrupted() || (view != nullptr && view->finish_asked()); };
+  viewer::LiveCounts counts;
+  counts.frames_total = input->expected;
   watch.broken = [&journal] { return journal.failure(); };
   watch.progress = [&](const ScanProgress& p) {
     progress.Show({"scan", p.frames, input->expected, p.live_seeds, p.points, NoteOf(p)});
+    counts.frames_dropped = p.dropped;
   };
+  if (view != nullptr) {
+    watch.seen = [&](const PosedFrame& frame,
+                     std::span<const Point> converged,
+                     const Reconstructor& reconstructor) {
+      Show(frame, converged, reconstructor, counts, view);
+    };
+  }
   watch.news = [](const std::string& text, bool warning) {
     warning ? LogWarning(text) : LogInfo(text);
   };
   ScanResult result = scan.Run(watch);
   progress.Finish();
+  if (result.end == ScanEnd::kInterrupted && !Interrupted()) result.end = ScanEnd::kFinished;
   try {
     journal.Finish();
   } catch (...) {
@@ -228,7 +275,9 @@ void RunScan(ScanArguments args) {
     MakeFolder(folder.path);
     if (input.board) WriteBoard(folder.path / kBoardName, *input.board);
   }
-  ScanResult result = Film(args, folder, &input);
+  const std::unique_ptr<LiveView> view = OpenView(args, folder, input);
+  ScanResult result = Film(args, folder, &input, view.get());
+  if (view != nullptr) view->feed().End({});
   RequirePoses(result, result.tracking_problem);
   try {
     WriteScanResults(folder.path, args, input.settings, &result);
@@ -236,6 +285,7 @@ void RunScan(ScanArguments args) {
     if (result.failure == nullptr) throw;
   }
   ReportEnd(folder, input, result);
+  if (view != nullptr) view->Linger(Interrupted);
 }
 
 }  // namespace
@@ -251,6 +301,7 @@ void AddScanCommand(CLI::App& app) {
       "  livemvs scan --data video.mp4 --board board.json --calibration camera.yaml -o mug\n"
       "  livemvs scan --data video.mp4 --board board.json --realtime -o mug\n"
       "  livemvs scan --data folder-with-poses/ -o room\n"
+      "  livemvs scan --camera 0 --board board.json --view -o mug\n"
       "  livemvs scan --resume mug                  go on after an interruption\n"
       "  livemvs scan --resume mug --finish         write what was recorded before it\n\n"
       "The folder gets cloud.ply, poses.txt, camera.yaml, statistics.json, and journal.lmv, which\n"

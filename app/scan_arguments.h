@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "live_view.h"
 #include "livemvs/io/dataset.h"
 #include "method_options.h"
 
@@ -35,6 +36,7 @@ struct ScanArguments {
   std::filesystem::path resume;
   bool finish = false;
   std::string progress = "auto";
+  ViewOptions view;
 };
 
 void AddScanOptions(CLI::App* command, ScanArguments* args);

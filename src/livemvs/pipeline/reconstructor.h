@@ -67,6 +67,8 @@ class Reconstructor {
     points_ = std::move(points);
   }
   std::size_t live_seeds() const { return pool_.size(); }
+  /// The live seeds, until the next call of AddFrame(): for looking at them.
+  const SeedPool& pool() const { return pool_; }
   const ReconstructionStatistics& statistics() const { return statistics_; }
   std::string backend_name() const { return backend_->name(); }
 

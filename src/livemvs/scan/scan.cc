@@ -107,7 +107,7 @@ void Scan::Loop(TrackingStage* stage, const Watch& watch) {
       return;
     }
     if (tracked && tracked->frame) {
-      Process(*std::move(tracked));
+      Process(*std::move(tracked), watch);
     } else if (tracked) {
       const MessageLevel level = tracked->warning ? MessageLevel::kWarning : MessageLevel::kInfo;
       Write(RecordType::kMessage, Encode(TextMessage{level, tracked->news}));
@@ -119,7 +119,7 @@ void Scan::Loop(TrackingStage* stage, const Watch& watch) {
   }
 }
 
-void Scan::Process(TrackedFrame tracked) {
+void Scan::Process(TrackedFrame tracked, const Watch& watch) {
   ++frames_;
   last_pose_ = tracked.pose;
   if (!last_pose_.problem.empty()) result_.tracking_problem = last_pose_.problem;
@@ -144,7 +144,9 @@ void Scan::Process(TrackedFrame tracked) {
   posed.picture = frame.picture;
   posed.camera = tracked.camera;
   posed.cam_from_world = *tracked.pose.cam_from_world;
-  WritePoints(frame.index, reconstructor_.AddFrame(posed));
+  const std::span<const Point> converged = reconstructor_.AddFrame(posed);
+  WritePoints(frame.index, converged);
+  if (watch.seen) watch.seen(posed, converged, reconstructor_);
 }
 
 void Scan::WriteFrame(const SourceFrame& frame, const PoseEstimate& pose) {

@@ -76,6 +76,8 @@ class Scan {
     std::function<std::exception_ptr()> broken;         ///< Likewise; an exception does too.
     std::function<void(const ScanProgress&)> progress;  ///< Told after each frame.
     std::function<void(const std::string&, bool warning)> news;
+    /// Told of each frame that the seeds saw, and the points that converged in it; quick.
+    std::function<void(const PosedFrame&, std::span<const Point>, const Reconstructor&)> seen;
   };
   /// Runs to the end. Failures on the way end it, and are returned with what is there.
   ScanResult Run(const Watch& watch);
@@ -85,7 +87,7 @@ class Scan {
 
   void Write(RecordType type, const std::vector<std::uint8_t>& payload);
   void Loop(TrackingStage* stage, const Watch& watch);
-  void Process(TrackedFrame tracked);
+  void Process(TrackedFrame tracked, const Watch& watch);
   void WriteFrame(const SourceFrame& frame, const PoseEstimate& pose);
   void WritePoints(std::int64_t frame, std::span<const Point> points);
   void WriteStatistics(const CaptureStatistics& capture);
