@@ -14,8 +14,6 @@
 
 #include "livemvs/core/log.h"
 
-extern char** environ;
-
 namespace livemvs::app {
 namespace {
 

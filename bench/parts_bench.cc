@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "frames.h"
+#include "livemvs/core/options.h"
 #include "livemvs/core/posterior.h"
 #include "livemvs/io/video_source.h"
 #include "livemvs/io/video_writer.h"
 #include "livemvs/pipeline/pyramid.h"
-#include "livemvs/pipeline/spawner.h"
 
 namespace livemvs {
 namespace {
@@ -41,26 +41,6 @@ void BM_Pyramid(benchmark::State& state) {
   state.SetBytesProcessed(state.iterations() * frame.camera.width * frame.camera.height);
 }
 BENCHMARK(BM_Pyramid)->Unit(benchmark::kMillisecond)->UseRealTime();
-
-// Planting in a frame whose pool is full but for two per cent, the usual case.
-void BM_Spawn(benchmark::State& state) {
-  const PosedFrame& frame = Sequence().frames.front();
-  const Options options;
-  const auto backend = MakeCpuBackend(options);
-  Pyramid pyramid;
-  pyramid.Build(frame.picture->grey, options.levels);
-  SeedPool pool(static_cast<std::size_t>(options.max_seeds));
-  Spawner spawner(options, Sequence().range);
-  spawner.Spawn(frame, pyramid.levels(), {}, backend.get(), &pool);
-  for (auto _ : state) {
-    state.PauseTiming();
-    const std::size_t end = pool.size();
-    for (std::size_t i = 0; i < end; i += 50) pool.Remove(i);
-    state.ResumeTiming();
-    spawner.Spawn(frame, pyramid.levels(), {}, backend.get(), &pool);
-  }
-}
-BENCHMARK(BM_Spawn)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 // H.264 as a phone or webcam gives it; the decoder's threads are its own.
 void BM_Decode(benchmark::State& state) {

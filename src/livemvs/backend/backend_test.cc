@@ -419,6 +419,110 @@ TEST(CpuBackendTest, CountsEveryLiveSeedOnceWhateverTheThreads) {
   }
 }
 
+TEST(KernelsTest, ManySeedsAtOnceDoAsOneByOne) {
+  const auto frames = PlaneScene().Render(SidewaysPath(5));
+  const auto seeds = Plant(TestOptions(), frames[0], 2);
+  for (const bool warp : {false, true}) {
+    // A block and a lane more or less than whole ones.
+    for (const std::size_t n : {1U, 3U, 15U, 17U, 1023U, 1025U, 2000U}) {
+      ASSERT_GE(seeds.size(), n);
+      const std::vector<reference::Seed> some(seeds.begin(), seeds.begin() + n);
+      for (const NamedKernel& kernel : UsableKernels()) {
+        Columns together(some), single(some);
+        for (std::size_t i = 5; i < n; i += 7) {
+          together.fate[i] = single.fate[i] = Fate::kRemoved;
+        }
+        for (std::size_t f = 1; f < frames.size(); ++f) {
+          SeedGroup group = GroupOf(frames[0], frames[f], n);
+          const UpdateStatistics all =
+              RunKernel(kernel, TestOptions(), group, frames[f], warp, &together);
+          UpdateStatistics sum;
+          for (std::size_t i = 0; i < n; ++i) {
+            group.begin = i;
+            group.end = i + 1;
+            sum += RunKernel(kernel, TestOptions(), group, frames[f], warp, &single);
+          }
+          EXPECT_EQ(all.matched, sum.matched);
+          EXPECT_EQ(all.total(), sum.total());
+        }
+        EXPECT_TRUE(together == single) << kernel.name << ", " << n << " seeds, warp " << warp;
+      }
+    }
+  }
+}
+
+TEST(KernelsTest, ExtremeContrastMatchesAsAnyOther) {
+  // Patches of 0 and 255 reach the ends of the 16-bit arithmetic.
+  PosedFrame ref = PlaneScene().Render(SidewaysPath(2))[0];
+  std::mt19937 random(11);
+  auto picture = std::make_shared<Picture>();
+  picture->grey = Image<std::uint8_t>(ref.camera.width, ref.camera.height);
+  for (int y = 0; y < ref.camera.height; ++y) {
+    for (int x = 0; x < ref.camera.width; ++x) picture->grey(x, y) = random() % 2 == 0 ? 0 : 255;
+  }
+  ref.picture = picture;
+  // The same picture a whole number of pixels further on: a plane at a depth that is known.
+  constexpr int kShift = 3;
+  constexpr double kDepth = 0.5 * (kNear + kFar);
+  PosedFrame cur = ref;
+  auto moved = std::make_shared<Picture>();
+  moved->grey = Image<std::uint8_t>(ref.camera.width, ref.camera.height);
+  for (int y = 0; y < ref.camera.height; ++y) {
+    for (int x = kShift; x < ref.camera.width; ++x) {
+      moved->grey(x, y) = picture->grey(x - kShift, y);
+    }
+  }
+  cur.picture = moved;
+  cur.cam_from_world.translation.x() += kShift * kDepth / ref.camera.fx;
+  const Options options = TestOptions();
+  const auto seeds = Plant(options, ref, 5);
+  for (const bool warp : {false, true}) {
+    for (const NamedKernel& kernel : UsableKernels()) {
+      Columns columns(seeds);
+      const SeedGroup group = GroupOf(ref, cur, seeds.size());
+      const UpdateStatistics s = RunKernel(kernel, options, group, cur, warp, &columns);
+      EXPECT_GT(s.matched, static_cast<std::int64_t>(seeds.size()) * 8 / 10) << kernel.name;
+    }
+  }
+}
+
+TEST(RowPairsTest, HoldEachPixelBesideTheOneBelow) {
+  Image<std::uint8_t> image(7, 5);
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 7; ++x) image(x, y) = static_cast<std::uint8_t>(37 * x + 91 * y);
+  }
+  RowPairs pairs;
+  pairs.Build(image.view());
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 7; ++x) {
+      const std::uint16_t pair = pairs.view()(x, y);
+      EXPECT_EQ(static_cast<std::int8_t>(pair & 255), image(x, y) - 128);
+      EXPECT_EQ(static_cast<std::int8_t>(pair >> 8), image(x, std::min(y + 1, 4)) - 128);
+    }
+  }
+}
+
+TEST(KernelsTest, PicturesTooSmallForTheWarpedPatchAreNotSearched) {
+  // Four times the focal length: the patch reaches further than the picture.
+  const auto frames = PlaneScene().Render(SidewaysPath(3));
+  PosedFrame small = frames[2];
+  auto picture = std::make_shared<Picture>();
+  picture->grey = Image<std::uint8_t>(16, 16);
+  small.picture = picture;
+  small.camera.width = small.camera.height = 16;
+  small.camera.fx *= 4;
+  small.camera.fy *= 4;
+  small.camera.cx = small.camera.cy = 7.5;
+  const auto seeds = Plant(TestOptions(), frames[0], 5);
+  for (const NamedKernel& kernel : UsableKernels()) {
+    Columns columns(seeds);
+    const SeedGroup group = GroupOf(frames[0], small, seeds.size());
+    const UpdateStatistics s = RunKernel(kernel, TestOptions(), group, small, true, &columns);
+    EXPECT_EQ(s.matched + s.mismatched, 0) << kernel.name;
+    EXPECT_EQ(s.total(), static_cast<std::int64_t>(seeds.size())) << kernel.name;
+  }
+}
+
 TEST(CpuBackendTest, TheEnvironmentChoosesTheInstructions) {
   for (const NamedKernel& kernel : UsableKernels()) {
     ::setenv(kInstructionsVariable, kernel.name, 1);

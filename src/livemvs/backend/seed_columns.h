@@ -8,8 +8,7 @@
 namespace livemvs {
 
 /// The state of all seeds, one array per quantity; entry i of each belongs to seed i. 61 bytes per
-/// seed, and one for its fate. Rows of 5 bytes of a patch may be loaded as 8: the patch array is
-/// padded.
+/// seed, and one for its fate.
 struct SeedColumns {
   float* mu;
   float* sigma2;

@@ -142,7 +142,8 @@ struct SearchRange {
   T last;
 };
 
-/// Narrows [lo, hi], offsets along a line, to where origin + offset * direction is in [min, max].
+/// Narrows [lo, hi], offsets along a line, to where origin + offset * direction is in [min, max];
+/// empty, hi < lo, where that is nowhere.
 template <typename T>
 LIVEMVS_HD inline void ClipOffsets(T origin, T direction, T min, T max, T* lo, T* hi) {
   const T tiny = T(1e-6);
@@ -155,6 +156,7 @@ LIVEMVS_HD inline void ClipOffsets(T origin, T direction, T min, T max, T* lo, T
   const T at_rest = Select((origin >= min) & (origin <= max), *hi, *lo - T(1));
   *lo = Select(moves, Select(*lo > smaller, *lo, smaller), *lo);
   *hi = Select(moves, Select(*hi < larger, *hi, larger), at_rest);
+  *hi = Select(max >= min, *hi, *lo - T(1));
 }
 
 /// The samples to visit for a window of `radius_px` round the projection, one more on each side so

@@ -223,6 +223,13 @@ TEST(ClipOffsetsTest, ParallelLinesAreKeptOrEmptied) {
   EXPECT_LT(hi, lo);
   lo = -5;
   hi = 5;
+  // A picture narrower than twice the margin has no place for the patch.
+  lo = -10;
+  hi = 10;
+  ClipOffsets(7.0, 1.0, 12.8, 2.2, &lo, &hi);
+  EXPECT_LT(hi, lo);
+  lo = -10;
+  hi = 10;
   ClipOffsets(1.0, -1.0, 0.0, 3.0, &lo, &hi);
   EXPECT_EQ(lo, -2);
   EXPECT_EQ(hi, 1);

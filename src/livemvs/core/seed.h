@@ -99,8 +99,9 @@ LIVEMVS_HD inline T JudgeNumber(const Options& options,
   const MaskOf<T> sharp =
       (z.sigma < T(options.epsilon_range) * DepthRange(options.coordinate, interval)) |
       (z.sigma < T(options.epsilon_px * pixel_width) * z.depth);
-  const MaskOf<T> converged = (total_sigma2 >= T(0)) & (InlierRatio(q) > T(options.eta_inlier)) &
-                              reaches(counts.views, options.min_views) & sharp;
+  const MaskOf<T> told = total_sigma2 >= T(0), agreeing = InlierRatio(q) > T(options.eta_inlier);
+  const MaskOf<T> seen = reaches(counts.views, options.min_views);
+  const MaskOf<T> converged = told & agreeing & seen & sharp;
   // Beyond its interval is where the user did not want points.
   const MaskOf<T> wanted = (q.mu >= T(0)) & (q.mu <= T(1));
   fate = Select(

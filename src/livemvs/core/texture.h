@@ -79,14 +79,14 @@ LIVEMVS_HD inline MatchErrors<T> PredictErrors(const Options& options,
 
 /// Variance of the noise at a level of the pyramid, where averaging has halved its sigma level by
 /// level [grey levels²].
-inline float NoiseVariance(const Options& options, int level) {
+LIVEMVS_HD inline float NoiseVariance(const Options& options, int level) {
   const float noise = std::ldexp(options.image_noise, -level);
   return noise * noise;
 }
 
 /// Whether matches of a patch may be precise enough along a line of some direction.
 /// @param pixel   kPatchPixels grey levels, row-major.
-inline bool CanMatch(const Options& options, float noise2, const float* pixel) {
+LIVEMVS_HD inline bool CanMatch(const Options& options, float noise2, const float* pixel) {
   const TextureSums<float> x = Texture(pixel, 1.0F, 0.0F), y = Texture(pixel, 0.0F, 1.0F);
   // Along the texture's principal axis nothing crosses at a slant: the larger eigenvalue.
   const float half_difference = 0.5F * (x.along2 - y.along2);

@@ -34,13 +34,19 @@ class Candidates {
             const ImageView<std::uint8_t>& marks,
             const CandidateRule& rule);
 
-  /// How many there are of each phase.
+  /// How many there are of each phase, but for those that were taken.
   const std::array<std::size_t, kPhases>& count() const { return count_; }
 
-  /// Calls f(x, y, phase) for each, row by row.
+  /// Calls f(x, y, phase) for each, row by row; f may take it.
   template <typename F>
   void ForEach(const F& f) const {
     for (int y = rect_.y0; y < rect_.y1; ++y) ForEachInRow(y, f);
+  }
+
+  /// The pixel, of that phase, is a candidate no longer.
+  void Take(int x, int y, int phase) {
+    phase_(x, y) = 0;
+    --count_[phase];
   }
 
  private:

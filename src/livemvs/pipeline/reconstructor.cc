@@ -14,7 +14,8 @@
 namespace livemvs {
 namespace {
 
-// New seeds are planted once this share of the pool is free: planting looks at the whole picture.
+// Differs from [VH11] Algorithm 1, which fills every free slot in every frame: new seeds are
+// planted once this share of the pool is free, because planting looks at the whole picture.
 constexpr double kFreeShare = 0.02;
 
 class StageTimer {

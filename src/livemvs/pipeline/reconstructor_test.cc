@@ -129,26 +129,44 @@ TEST(ReconstructorTest, TwoRunsAndAnyNumberOfThreadsGiveTheSameBytes) {
   }
 }
 
-TEST(ReconstructorTest, SeedsWhosePatchCannotBeMatchedGrowOld) {
-  // A ramp of brightness: every patch has gradient, and NCC does not see it move.
+// The frames of the plane with other pictures: f(x, y) at each pixel.
+template <typename F>
+std::vector<PosedFrame> FramesShowing(const F& f) {
   std::vector<PosedFrame> frames = PlaneFrames();
   for (PosedFrame& frame : frames) {
     auto picture = std::make_shared<Picture>();
     picture->grey = Image<std::uint8_t>(frame.camera.width, frame.camera.height);
     for (int y = 0; y < frame.camera.height; ++y) {
       for (int x = 0; x < frame.camera.width; ++x) {
-        picture->grey(x, y) = static_cast<std::uint8_t>(x);
+        picture->grey(x, y) = static_cast<std::uint8_t>(f(x, y));
       }
     }
     frame.picture = picture;
   }
+  return frames;
+}
+
+TEST(ReconstructorTest, SeedsWithoutTextureAlongTheLineGrowOld) {
+  // Stripes along the camera's way: texture enough, and none that tells of depth.
   Options options = TestOptions();
-  options.min_patch_stddev = 0.5F;
   options.max_age = 5;
   Reconstructor reconstructor(options, NearFar());
-  for (const PosedFrame& frame : frames) reconstructor.AddFrame(frame);
+  for (const PosedFrame& frame : FramesShowing([](int, int y) { return 128 + 50 * (y / 3 % 2); })) {
+    reconstructor.AddFrame(frame);
+  }
   EXPECT_GT(reconstructor.statistics().rejected_aged, 1000);
   EXPECT_EQ(reconstructor.points().size(), 0U);
+}
+
+TEST(ReconstructorTest, NothingIsPlantedOnRamps) {
+  // A ramp of brightness: every patch has contrast, and NCC does not see it move.
+  Options options = TestOptions();
+  options.min_patch_stddev = 0.5F;
+  Reconstructor reconstructor(options, NearFar());
+  for (const PosedFrame& frame : FramesShowing([](int x, int) { return x; })) {
+    reconstructor.AddFrame(frame);
+  }
+  EXPECT_EQ(reconstructor.statistics().seeds_spawned, 0);
 }
 
 TEST(ReconstructorTest, UnitsOfPowersOfTwoChangeNothingButTheUnit) {

@@ -83,22 +83,32 @@ std::int64_t Spawner::Spawn(const PosedFrame& frame,
                       options_.seed_spacing_px,
                       options_.cover_radius_px,
                       level > 0 ? options_.min_coarse_stddev : options_.min_patch_stddev});
-    planted += Plant(view, pool->free_slots(), pool);
+    planted += Plant(view, pool);
   }
   return planted;
 }
 
-std::int64_t Spawner::Plant(const View& view, std::size_t slots, SeedPool* pool) const {
-  // Whole phases as far as they fit; of the next, an even share.
-  const auto& count = candidates_.count();
-  int full = 0;
-  std::size_t left = slots;
-  while (full < Candidates::kPhases && count[full] <= left) left -= count[full++];
-  const std::size_t share_of = full < Candidates::kPhases ? count[full] : 1;
-  std::size_t carry = 0;
-  const Projector projector(view.camera);
+std::int64_t Spawner::Plant(const View& view, SeedPool* pool) {
   pool->BeginReference(view.frame_index, view.level, view.camera, view.cam_from_world);
   std::int64_t planted = 0;
+  // Some of those that are offered are refused: what they leave is offered to others.
+  while (pool->free_slots() > 0) {
+    const std::size_t offered = PlantShare(view, pool, &planted);
+    if (offered == 0) break;
+  }
+  pool->EndReference();
+  return planted;
+}
+
+std::size_t Spawner::PlantShare(const View& view, SeedPool* pool, std::int64_t* planted) {
+  // Whole phases as far as they fit; of the next, an even share.
+  const auto count = candidates_.count();
+  int full = 0;
+  std::size_t left = pool->free_slots();
+  while (full < Candidates::kPhases && count[full] <= left) left -= count[full++];
+  const std::size_t share_of = full < Candidates::kPhases ? count[full] : 1;
+  std::size_t carry = 0, offered = 0;
+  const Projector projector(view.camera);
   candidates_.ForEach([&](int x, int y, int phase) {
     if (phase > full) return;
     if (phase == full) {
@@ -106,10 +116,11 @@ std::int64_t Spawner::Plant(const View& view, std::size_t slots, SeedPool* pool)
       if (carry < share_of) return;
       carry -= share_of;
     }
-    planted += PlantOne(view, projector, x, y, pool);
+    candidates_.Take(x, y, phase);
+    ++offered;
+    *planted += PlantOne(view, projector, x, y, pool);
   });
-  pool->EndReference();
-  return planted;
+  return offered;
 }
 
 bool Spawner::PlantOne(

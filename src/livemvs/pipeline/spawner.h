@@ -46,7 +46,8 @@ class Spawner {
     std::int64_t frame_index;
   };
 
-  std::int64_t Plant(const View& view, std::size_t slots, SeedPool* pool) const;
+  std::int64_t Plant(const View& view, SeedPool* pool);
+  std::size_t PlantShare(const View& view, SeedPool* pool, std::int64_t* planted);
   bool PlantOne(const View& view, const Projector& projector, int x, int y, SeedPool* pool) const;
 
   Options options_;

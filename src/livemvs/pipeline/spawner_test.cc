@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "livemvs/pipeline/pyramid.h"
@@ -155,6 +156,26 @@ TEST_F(SpawnerTest, NoSeedsWhereNothingCanMatch) {
   SeedPool pool(4000);
   ASSERT_GT(Spawn(Spawner(options_, NearFar()), {}, &pool), 300);
   for (const auto& pixel : Pixels(pool)) EXPECT_GT(pixel.x(), frame_.camera.cx - 3);
+}
+
+TEST_F(SpawnerTest, WhatRefusedPixelsLeaveGoesToOthers) {
+  // Mostly ramps, which have contrast but cannot be matched; texture in a strip on the right.
+  std::mt19937 random(5);
+  auto picture = std::make_shared<Picture>();
+  picture->grey = Image<std::uint8_t>(frame_.camera.width, frame_.camera.height);
+  const int strip = frame_.camera.width - 30;
+  for (int y = 0; y < frame_.camera.height; ++y) {
+    for (int x = 0; x < frame_.camera.width; ++x) {
+      const auto grey = x < strip ? static_cast<unsigned>(10 * x) % 250U : random() % 256U;
+      picture->grey(x, y) = static_cast<std::uint8_t>(grey);
+    }
+  }
+  frame_.picture = picture;
+  options_.levels = 1;
+  options_.min_patch_stddev = 10;
+  constexpr std::size_t kSlots = 500;
+  SeedPool pool(kSlots);
+  EXPECT_EQ(Spawn(Spawner(options_, NearFar()), {}, &pool), static_cast<std::int64_t>(kSlots));
 }
 
 TEST_F(SpawnerTest, TinyPicturesAndMissedBoxesGiveNoSeeds) {

@@ -41,7 +41,8 @@ std::vector<NamedKernel> UsableKernels() {
     }
     kernels.push_back({"AVX-512", avx512::Update, avx512::Mark});
   }
-  if (__builtin_cpu_supports("avx2")) kernels.push_back({"AVX2", avx2::Update, avx2::Mark});
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    kernels.push_back({"AVX2", avx2::Update, avx2::Mark});
 #endif
   kernels.push_back({"portable", portable::Update, portable::Mark});
   return kernels;
@@ -61,6 +62,18 @@ NamedKernel ChooseKernel() {
   }
   throw std::invalid_argument(std::string(kInstructionsVariable) + "=" + wanted +
                               ": this processor can run " + usable);
+}
+
+// A living seed from the middle of a group on, or else before it; the group's end if there is none.
+std::size_t LivingSeed(const SeedColumns& seeds, const SeedGroup& group) {
+  const std::size_t middle = (group.begin + group.end) / 2;
+  for (std::size_t i = middle; i < group.end; ++i) {
+    if (seeds.fate[i] == Fate::kAlive) return i;
+  }
+  for (std::size_t i = group.begin; i < middle; ++i) {
+    if (seeds.fate[i] == Fate::kAlive) return i;
+  }
+  return group.end;
 }
 
 // Seeds per task: enough to amortise the scheduler, few enough to balance two cores.
@@ -136,12 +149,12 @@ class CpuBackend final : public Backend {
   bool NeedsWarp(const SeedColumns& seeds,
                  const SeedGroup& group,
                  const ImageView<std::uint8_t>& image) const {
-    if (group.begin == group.end) return false;
     if (std::max(image.width, image.height) > kMostPixelsWarped) return false;
     const float roll_limit = std::cos(options_.warp_roll_deg * static_cast<float>(M_PI / 180));
     if (options_.warp_roll_deg > 0 && group.view.roll_cos < roll_limit) return true;
     if (options_.warp_scale <= 0) return false;
-    const std::size_t i = (group.begin + group.end) / 2;
+    const std::size_t i = LivingSeed(seeds, group);
+    if (i == group.end) return false;
     const Projection<float> p = ProjectSeed<PinholeModel>(group.view,
                                                           options_.coordinate,
                                                           {seeds.c0[i], seeds.c1[i]},

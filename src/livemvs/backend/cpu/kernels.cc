@@ -20,12 +20,18 @@ namespace livemvs {
 namespace LIVEMVS_TARGET {
 namespace {
 
-#include "livemvs/backend/cpu/lanes.inc"
-#include "livemvs/backend/cpu/matcher.inc"
 // Each needs those before it.
+#include "livemvs/backend/cpu/lanes.inc"
+
+#include "livemvs/backend/cpu/words.inc"
+
+#include "livemvs/backend/cpu/matcher.inc"
+
 #include "livemvs/backend/cpu/block.inc"
-#include "livemvs/backend/cpu/finish.inc"
+
 #include "livemvs/backend/cpu/prepare.inc"
+
+#include "livemvs/backend/cpu/finish.inc"
 
 /// Searches for the patches of some entries of a block, whose first seed is `begin`.
 template <typename Sampler>
@@ -77,8 +83,8 @@ void MarkLanes(const MarkJob& job, std::size_t begin, std::size_t end) {
   const Mask inside = s.alive & p.visible & (p.x >= 0.0F) & (p.y >= 0.0F) &
                       (p.x <= view.width - 1) & (p.y <= view.height - 1);
   const Int stride = BroadcastInt(static_cast<std::int32_t>(job.stride));
-  const Int at = ToInt(p.y + 0.5F) * stride + ToInt(p.x + 0.5F);
-  const Int offset = Select(inside, at, BroadcastInt(-1));
+  const auto rounded = [&](const Lanes& v) { return ToInt(Select(inside, v + 0.5F, 0)); };
+  const Int offset = Select(inside, rounded(p.y) * stride + rounded(p.x), BroadcastInt(-1));
   for (int l = 0; l < kLanes; ++l) {
     if (offset[l] < 0) continue;
     std::atomic_ref<std::uint8_t>(job.marks[offset[l]]).store(1, std::memory_order_relaxed);
