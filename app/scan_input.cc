@@ -18,8 +18,6 @@
 namespace livemvs::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Frames that are fed again when a recording is resumed, so that the seeds that were alive grow
 /// again.
 constexpr std::int64_t kWarmUpFrames = 60;

@@ -112,6 +112,7 @@ void Write(const TrackArguments& a, const Camera& camera, const std::vector<Trac
   const std::string format = FormatOf(a);
   if (format == "tum") {
     std::vector<StampedPose> stamped;
+    stamped.reserve(poses.size());
     for (const TrackedPose& pose : poses) stamped.push_back({pose.timestamp, pose.cam_from_world});
     WriteTumTrajectory(a.output, stamped, "livemvs track; the world is the board's, metres");
   } else if (format == "rows") {

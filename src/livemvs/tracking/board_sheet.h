@@ -25,7 +25,7 @@ Board BoardForPage(const std::string& page);
 /// ruler of 100 mm (50 mm on small pages) to check the scale of the print.
 /// @throws std::invalid_argument where the board does not fit the page with 5 mm to spare;
 /// Error (kOutOfResource) where the file cannot be written.
-void WriteSheetPdf(const std::filesystem::path& file, const Board& board, const Page& page);
+void WriteSheetPdf(const std::filesystem::path& path, const Board& board, const Page& page);
 
 /// The sheet as a picture, edges between pixels by coverage; without words.
 /// @param dots_per_inch  36 to 2400.

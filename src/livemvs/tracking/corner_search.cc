@@ -61,11 +61,11 @@ CornerSearch::CornerSearch(const Board& board)
   geometry_.radius = geometry_.margin + 0.8 * board.marker / cells;
 }
 
-std::vector<std::optional<CornerView>> CornerSearch::ViewsFromPose(const Projector& projector,
-                                                                   const Rigid3d& pose) const {
+std::vector<std::optional<CornerView>> CornerSearch::ViewsFromPose(
+    const Projector& projector, const Rigid3d& cam_from_world) const {
   std::vector<std::optional<CornerView>> views(corners_.size());
   for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const Eigen::Vector3d p = pose * corners_[i].point;
+    const Eigen::Vector3d p = cam_from_world * corners_[i].point;
     const auto pixel = projector.Project(p);
     if (!pixel || !projector.camera().Contains(*pixel, 4)) continue;
     // The lens is linear in so small a neighbourhood, the perspective is kept: with the ray (x, y)
@@ -76,14 +76,14 @@ std::vector<std::optional<CornerView>> CornerSearch::ViewsFromPose(const Project
     pixel_from_ray.topLeftCorner<2, 2>() = j;
     pixel_from_ray.topRightCorner<2, 1>() = *pixel - j * (p.head<2>() / p.z());
     Matrix3d ray_from_sheet;
-    ray_from_sheet << pose.rotation.col(0), pose.rotation.col(1), p;
+    ray_from_sheet << cam_from_world.rotation.col(0), cam_from_world.rotation.col(1), p;
     views[i] = CornerView{pixel_from_ray * ray_from_sheet, corners_[i].black_up_right};
   }
   return views;
 }
 
 std::vector<std::optional<CornerView>> CornerSearch::ViewsFromMarkers(
-    const std::vector<DetectedMarker>& found) const {
+    const std::vector<DetectedMarker>& markers) const {
   std::vector<std::optional<CornerView>> views(corners_.size());
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Vector2d corner = corners_[i].point.head<2>();
@@ -92,7 +92,7 @@ std::vector<std::optional<CornerView>> CornerSearch::ViewsFromMarkers(
     for (const double reach : {1.0, 2.2}) {
       points.clear();
       pixels.clear();
-      for (const DetectedMarker& m : found) {
+      for (const DetectedMarker& m : markers) {
         const BoardMarker& marker = markers_[m.index];
         const Vector2d middle = 0.5 * (marker.corners[0] + marker.corners[2]).head<2>();
         if ((middle - corner).lpNorm<Eigen::Infinity>() > reach * square_) continue;

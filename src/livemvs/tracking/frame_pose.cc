@@ -53,6 +53,7 @@ double AngleBetween(const Rigid3d& a, const Rigid3d& b) {
 double MotionBlur(const std::vector<FoundCorner>& corners) {
   if (corners.empty()) return 0;
   std::vector<double> blur;
+  blur.reserve(corners.size());
   for (const FoundCorner& c : corners) blur.push_back(c.fit.blur_px);
   const auto middle = blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2);
   std::nth_element(blur.begin(), middle, blur.end());

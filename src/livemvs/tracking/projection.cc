@@ -55,14 +55,15 @@ Projection ProjectWithDerivatives(const Camera& c, const Eigen::Vector3d& p, boo
   return out;
 }
 
-Rigid3d Moved(const Rigid3d& pose, const Eigen::Matrix<double, 6, 1>& motion) {
+Rigid3d Moved(const Rigid3d& cam_from_world, const Eigen::Matrix<double, 6, 1>& motion) {
   const Eigen::Vector3d w = motion.head<3>();
   const double angle = w.norm();
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   if (angle > 0) turn = Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
   // Through a unit quaternion, so that rounding does not add up over the frames.
-  const Eigen::Quaterniond rotation = Eigen::Quaterniond(turn * pose.rotation).normalized();
-  return {rotation.toRotationMatrix(), turn * pose.translation + motion.tail<3>()};
+  const Eigen::Quaterniond rotation =
+      Eigen::Quaterniond(turn * cam_from_world.rotation).normalized();
+  return {rotation.toRotationMatrix(), turn * cam_from_world.translation + motion.tail<3>()};
 }
 
 Eigen::Matrix<double, 2, 6> ByMotion(const Projection& projection, const Eigen::Vector3d& p) {

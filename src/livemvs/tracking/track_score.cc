@@ -27,7 +27,8 @@ void TrackScore::Add(const PoseEstimate& estimate,
   double squares = 0;
   int n = 0;
   for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
-    const Eigen::Array3d part(i % kSteps, i / kSteps % kSteps, i / (kSteps * kSteps));
+    const Eigen::Array3d part =
+        Eigen::Array3i(i % kSteps, i / kSteps % kSteps, i / (kSteps * kSteps)).cast<double>();
     const Eigen::Vector3d point =
         room_.min + ((room_.max - room_.min).array() * part / (kSteps - 1)).matrix();
     const auto expected = projector.Project(truth * point);
