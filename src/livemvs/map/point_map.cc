@@ -111,7 +111,7 @@ int PointMap::LevelOf(float footprint, float sigma) const {
 
 bool PointMap::CellOf(const Eigen::Vector3f& position, int level, Cell* cell) const {
   const Eigen::Vector3f scaled = position / Width(level);
-  if (!(scaled.lpNorm<Eigen::Infinity>() < kMostCells)) return false;  // NaN, too
+  if (!scaled.allFinite() || scaled.lpNorm<Eigen::Infinity>() >= kMostCells) return false;
   cell->level = level;
   for (int k = 0; k < 3; ++k) {
     const int truncated = static_cast<int>(scaled[k]);
