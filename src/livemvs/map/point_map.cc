@@ -166,7 +166,12 @@ void PointMap::VisitAlongRay(const Cell& cell, const StoredPoint& stored, F&& f)
   const float width = Width(cell.level);
   const float reach = kSigmasAlongRay / std::sqrt(stored.weight);
   const Eigen::Vector3f ray = DecodeNormal(stored.normal);
-  for (float along = width; along < reach + width; along += width) {
+  // Few, because cells are as wide as their points are uncertain; but for points that are more so
+  // than the widest cell.
+  constexpr int kMostSteps = 32;
+  for (int i = 1; i <= kMostSteps; ++i) {
+    const float along = static_cast<float>(i) * width;
+    if (!(along < reach + width)) break;
     for (const float signed_along : {along, -along}) {
       Cell other;
       const float step = std::clamp(signed_along, -reach, reach);
