@@ -49,8 +49,10 @@ StoredPoint PointMap::Store(const Point& point, std::uint32_t frame, int level) 
   const float scale =
       point.footprint > 0 && std::isfinite(point.footprint) ? point.footprint : width;
   const float sigma = point.sigma > 0 && std::isfinite(point.sigma) ? point.sigma : scale / 2;
-  const float floor = std::max({sigma, kLeastSigma * scale, 1e-15F});
-  stored.weight = 1 / (floor * floor);
+  // Within what a weight can be the inverse square of.
+  constexpr float kLeast = 1e-15F, kMost = 1e15F;
+  const float uncertainty = std::clamp(std::max(sigma, kLeastSigma * scale), kLeast, kMost);
+  stored.weight = 1 / (uncertainty * uncertainty);
   stored.normal = EncodeNormal(point.normal);
   stored.color = point.color;
   const float ratio = std::isfinite(point.inlier_ratio) ? point.inlier_ratio : 0;
