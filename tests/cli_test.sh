@@ -88,7 +88,8 @@ check "nothing of the cut video was reconstructed" test "$(vertices "$work/out.p
 
 # --- Interrupted ------------------------------------------------------------------------------------
 rm -f "$work/out.ply"
-"$program" run --data "$sample" --seeds 100000 -o "$work/out.ply" >"$work/log" 2>&1 &
+# At the pace of the film, so that it is under way however fast the machine.
+"$program" run --data "$sample" --realtime --seeds 100000 -o "$work/out.ply" >"$work/log" 2>&1 &
 pid=$!
 sleep 3
 interrupt_time=$(date +%s%N)
