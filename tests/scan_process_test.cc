@@ -156,11 +156,14 @@ TEST_F(ScanProcess, KilledAtAnyMomentItLosesASecondAtMostAndGoesOn) {
     Process resume(ResumeCommand());
     ASSERT_EQ(resume.Wait(), 0) << resume.text();
     ++resumed;
-    // Frames that a paced run dropped are not among those of the resumed one.
+    // Frames that a paced run dropped, many on a busy machine, do not come back.
     const std::size_t points = ReadPly(scan_ / "cloud.ply").cloud.size();
-    least_points = std::min(least_points, points);
-    most_points = std::max(most_points, points);
-    if (!paced) ExpectWhole();
+    EXPECT_GT(points, 0U);
+    if (!paced) {
+      least_points = std::min(least_points, points);
+      most_points = std::max(most_points, points);
+      ExpectWhole();
+    }
     if (HasFailure()) break;
   }
   std::printf("%d of %d killed before their end, %d resumed, %zu to %zu points\n",

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -100,17 +100,23 @@ class PipeSource final : public LiveSource {
     const double now = SecondsSince(*begin_);
     double timestamp = now;
     if (output.time) {
-      // A later stream begins when it came.
-      if (!stream_start_) stream_start_ = now - *output.time;
+      // A later stream begins when it came, yet after what the earlier one, perhaps sent faster
+      // than its times say, ended with.
+      if (!stream_start_) stream_start_ = std::max(now, latest_ + FrameSeconds()) - *output.time;
       timestamp = *output.time + *stream_start_;
     }
     SourceFrame frame;
     frame.index = next_index_++;
     frame.timestamp = timestamp;
+    latest_ = std::max(latest_, timestamp);
     frame.name = "frame " + std::to_string(frame.index);
     frame.picture = std::make_shared<const Picture>(std::move(output.picture));
     ++statistics_.decoded;
     return frame;
+  }
+
+  double FrameSeconds() const {
+    return info_.frames_per_second > 0 ? 1 / info_.frames_per_second : 1e-3;
   }
 
   void Describe() {
@@ -136,6 +142,7 @@ class PipeSource final : public LiveSource {
   std::int64_t next_index_ = 0;
   std::optional<Clock::time_point> begin_;
   std::optional<double> stream_start_;  ///< What to add to the stream's times.
+  double latest_ = -std::numeric_limits<double>::infinity();  ///< Time of a picture so far.
 };
 
 void CheckRaw(const PipeOptions& options) {
