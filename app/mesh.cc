@@ -37,7 +37,7 @@ void Run(const MeshArguments& args) {
   CatchInterrupts();
   MeshInput input = ReadMeshInput(args.input);
   if (!args.dataset.data.empty()) {
-    input.cameras = CentersOf(OpenDataset(args.dataset)->views());
+    input.cameras = CamerasOf(OpenDataset(args.dataset)->views());
   }
   MeshWatch watch;
   watch.stop = Interrupted;
@@ -50,7 +50,7 @@ void Run(const MeshArguments& args) {
   std::printf(
       "%zu points (%zu seen), voxel %g, %d levels, %zu voxels; %zu vertices, %zu faces; cut %.1f "
       "s, surface %.1f s; "
-      "specks %zu unsupported %zu; bad %zu pinched %zu intersections %zu border %zu\n",
+      "specks %zu unsupported %zu sideways %zu; bad %zu pinched %zu intersections %zu border %zu\n",
       s.points,
       s.points_seen,
       s.voxel,
@@ -62,6 +62,7 @@ void Run(const MeshArguments& args) {
       s.seconds_surface,
       s.trimmed.specks,
       s.trimmed.unsupported_faces,
+      s.trimmed.sideways_faces,
       s.bad_edges,
       s.pinched,
       s.intersections,
@@ -92,6 +93,9 @@ void AddMeshCommand(CLI::App& app) {
   command->add_option("--smoothing", o.smoothing);
   command->add_option("--rounds", o.smoothing_rounds);
   command->add_option("--support", o.support);
+  command->add_option("--held", o.held);
+  command->add_option("--facing", o.least_facing);
+  command->add_option("--fairing", o.fairing_rounds);
   command->callback([args] { Run(*args); });
 }
 

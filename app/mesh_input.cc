@@ -20,18 +20,19 @@ MeshInput ReadMeshInput(const fs::path& path) {
   }
   input.cloud = ReadPly(path / "cloud.ply").cloud;
   const JournalContents journal = ReadJournal(path / kJournalName);
-  for (const FrameMessage& frame : journal.replay.frames()) {
-    if (frame.cam_from_world) {
-      input.cameras[frame.index] = frame.cam_from_world->Center().cast<float>();
+  const Replay& replay = journal.replay;
+  for (const FrameMessage& frame : replay.frames()) {
+    if (frame.cam_from_world && replay.camera()) {
+      input.cameras[frame.index] = {*replay.camera(), *frame.cam_from_world};
     }
   }
   return input;
 }
 
-CameraCenters CentersOf(const std::vector<DatasetView>& views) {
-  CameraCenters centers;
-  for (const DatasetView& v : views) centers[v.index] = v.cam_from_world.Center().cast<float>();
-  return centers;
+MeshCameras CamerasOf(const std::vector<DatasetView>& views) {
+  MeshCameras cameras;
+  for (const DatasetView& v : views) cameras[v.index] = {v.camera, v.cam_from_world};
+  return cameras;
 }
 
 }  // namespace livemvs::app

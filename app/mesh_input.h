@@ -14,8 +14,8 @@ namespace livemvs::app {
 /// A cloud and the cameras that saw it.
 struct MeshInput {
   PointCloud cloud;
-  CameraCenters cameras;  ///< Empty: unknown.
-  std::string what;       ///< For messages: the path.
+  MeshCameras cameras;  ///< Empty: unknown.
+  std::string what;     ///< For messages: the path.
 };
 
 /// Reads a cloud from a PLY file, or from the folder of a scan its cloud.ply and, out of its
@@ -24,6 +24,6 @@ struct MeshInput {
 MeshInput ReadMeshInput(const std::filesystem::path& path);
 
 /// The cameras of a data set, by frame.
-CameraCenters CentersOf(const std::vector<DatasetView>& views);
+MeshCameras CamerasOf(const std::vector<DatasetView>& views);
 
 }  // namespace livemvs::app

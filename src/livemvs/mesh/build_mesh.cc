@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
+#include "livemvs/mesh/fair.h"
 #include "livemvs/mesh/marching.h"
 #include "livemvs/mesh/mesh_topology.h"
 #include "livemvs/mesh/surface_field.h"
@@ -35,10 +37,22 @@ void CheckResult(BuiltMesh* result) {
   result->statistics.intersections = IntersectingFaces(result->mesh).size();
 }
 
+void Fair(const SightLines& sights,
+          const MeshOptions& options,
+          const MeshWatch& watch,
+          BuiltMesh* result) {
+  watch.Show("fair", 0);
+  const std::vector<float> distance = DistancesToPoints(sights, result->mesh);
+  const auto held = static_cast<float>(options.held * result->statistics.voxel);
+  std::vector<char> free(distance.size(), 0);
+  for (std::size_t v = 0; v < free.size(); ++v) free[v] = distance[v] > held ? 1 : 0;
+  FairMesh(free, options.fairing_rounds, watch, &result->mesh);
+}
+
 }  // namespace
 
 BuiltMesh BuildMesh(const PointCloud& cloud,
-                    const CameraCenters& cameras,
+                    const MeshCameras& cameras,
                     const MeshOptions& options,
                     const MeshWatch& watch) {
   options.Check();
@@ -56,11 +70,13 @@ BuiltMesh BuildMesh(const PointCloud& cloud,
     result.mesh = MarchField(MakeSurfaceField(sights, volume, options, watch), watch);
   }
   watch.Show("trim", 0);
-  result.statistics.trimmed = TrimMesh(sights, result.statistics.voxel, options, &result.mesh);
-  result.statistics.seconds_surface = SecondsSince(start) - result.statistics.seconds_cut;
+  result.statistics.trimmed =
+      TrimMesh(sights, cameras, result.statistics.voxel, options, &result.mesh);
   if (result.mesh.faces.empty()) {
     throw BadInput("no surface was found between the points; they may be too few or too far apart");
   }
+  Fair(sights, options, watch, &result);
+  result.statistics.seconds_surface = SecondsSince(start) - result.statistics.seconds_cut;
   watch.Show("check", 0);
   CheckResult(&result);
   return result;

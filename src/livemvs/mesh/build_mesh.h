@@ -34,7 +34,7 @@ struct BuiltMesh {
 /// @throws Error (kBadInput) where the cloud has no surface, (kOutOfResource) where the grid does
 /// not fit the memory; std::invalid_argument naming an option; MeshInterrupted.
 BuiltMesh BuildMesh(const PointCloud& cloud,
-                    const CameraCenters& cameras,
+                    const MeshCameras& cameras,
                     const MeshOptions& options,
                     const MeshWatch& watch);
 

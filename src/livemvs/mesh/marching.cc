@@ -46,8 +46,8 @@ CellCase TraceCase(unsigned solid) {
       if (!is_solid(face[i]) || is_solid(face[(i + 1) % 4])) continue;
       std::size_t first = i;
       while (is_solid(face[(first + 3) % 4])) first = (first + 3) % 4;
-      next[static_cast<std::size_t>(EdgeBetween(face[i], face[(i + 1) % 4]))] =
-          EdgeBetween(face[(first + 3) % 4], face[first]);
+      next[static_cast<std::size_t>(EdgeBetween(face[(first + 3) % 4], face[first]))] =
+          EdgeBetween(face[i], face[(i + 1) % 4]);
     }
   }
   CellCase result;

@@ -40,6 +40,12 @@ void MeshOptions::Check() const {
           "from 0 to 10000");
   not_negative("smoothing", smoothing);
   positive("support", support);
+  positive("held", held);
+  Require(least_facing >= 0 && least_facing < 1, "least_facing", least_facing, "in [0, 1)");
+  Require(fairing_rounds >= 0 && fairing_rounds <= 10000,
+          "fairing_rounds",
+          fairing_rounds,
+          "from 0 to 10000");
   Require(
       least_component >= 0 && least_component < 1, "least_component", least_component, "in [0, 1)");
 }

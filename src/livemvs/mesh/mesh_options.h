@@ -24,10 +24,14 @@ struct MeshOptions {
   double lambda = 0.5;         ///< Weight of the log-odds against the surface's area.
 
   // The surface.
-  double reach = 2.5;              ///< Points act on the surface within so much of it. [voxel]
-  int smoothing_rounds = 40;       ///< Of the field between the points.
-  double smoothing = 1;            ///< Weight of smoothness against the points; 0: as they say.
-  double support = 6;              ///< Surface farther from every point is open. [voxel]
+  double reach = 2.5;         ///< Points act on the surface within so much of it. [voxel]
+  int smoothing_rounds = 80;  ///< Of the field between the points.
+  double smoothing = 30;      ///< Weight of smoothness against the points; 0: as they say.
+  double held = 2;            ///< Surface this close to a point is held by it. [voxel]
+  double least_facing =
+      0.35;                 ///< Other surface must be seen at this cosine to its normal, at least.
+  int fairing_rounds = 40;  ///< That draw surface taut which no point holds.
+  double support = 6;       ///< Surface farther from every point is open. [voxel]
   double least_component = 0.002;  ///< Smaller parts are specks: share of the largest's area.
   std::size_t faces = 0;           ///< Most faces after decimation; 0: as they come.
 

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "livemvs/core/error.h"
+#include "livemvs/map/normals.h"
 #include "livemvs/map/point_index.h"
 #include "livemvs/parallel/parallel_for.h"
 
@@ -96,16 +97,18 @@ float Sane(float value, float otherwise) {
   return std::isfinite(value) && value > 0 ? value : otherwise;
 }
 
-SightLine LineOf(const Point& point, const CameraCenters& cameras, float short_length, bool* seen) {
+SightLine LineOf(const Point& point, const MeshCameras& cameras, float short_length, bool* seen) {
   SightLine line;
   line.position = point.position;
   line.normal = UnitOrZero(point.normal);
   line.sigma = Sane(point.sigma, 0);
   line.weight = std::clamp(Sane(point.inlier_ratio, 1), 0.05F, 1.0F);
   const auto camera = point.frame >= 0 ? cameras.find(point.frame) : cameras.end();
-  *seen = camera != cameras.end() && camera->second.allFinite() && camera->second != point.position;
-  line.direction = *seen ? UnitOrZero(camera->second - point.position) : line.normal;
-  line.length = *seen ? (camera->second - point.position).norm() : short_length;
+  Eigen::Vector3f to_camera = Eigen::Vector3f::Zero();
+  if (camera != cameras.end()) to_camera = camera->second.Center() - point.position;
+  *seen = to_camera.allFinite() && !to_camera.isZero();
+  line.direction = *seen ? UnitOrZero(to_camera) : line.normal;
+  line.length = *seen ? to_camera.norm() : short_length;
   if (line.normal.dot(line.direction) < 0) line.normal = -line.normal;
   return line;
 }
@@ -133,7 +136,22 @@ void CheckEnough(const SightLines& result, std::size_t points) {
 
 }  // namespace
 
-SightLines MakeSightLines(const PointCloud& cloud, const CameraCenters& cameras) {
+/// Normals of planes through many neighbours, on the side of the lines' cameras: the noise of
+/// single points is larger than their spacing.
+void FindNormals(std::vector<SightLine>* lines) {
+  constexpr int kNeighbors = 48;
+  PointCloud points(lines->size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].position = (*lines)[i].position;
+    points[i].normal = (*lines)[i].direction;
+  }
+  EstimateNormals(points, kNeighbors);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(*lines)[i].direction.isZero()) (*lines)[i].normal = points[i].normal;
+  }
+}
+
+SightLines MakeSightLines(const PointCloud& cloud, const MeshCameras& cameras) {
   SightLines result;
   const std::vector<std::uint32_t> kept = DistinctPoints(cloud, &result);
   std::vector<Eigen::Vector3f> positions;
@@ -156,6 +174,7 @@ SightLines MakeSightLines(const PointCloud& cloud, const CameraCenters& cameras)
     result.seen += seen ? 1 : 0;
   }
   CheckEnough(result, cloud.size());
+  FindNormals(&result.lines);
   return result;
 }
 

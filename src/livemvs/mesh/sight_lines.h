@@ -3,16 +3,13 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "livemvs/core/point.h"
+#include "livemvs/mesh/mesh_camera.h"
 #include "livemvs/mesh/mesh_options.h"
 
 namespace livemvs {
-
-/// Centres of the cameras in the world, by the index of their frame. [scene]
-using CameraCenters = std::map<std::int64_t, Eigen::Vector3f>;
 
 /// A point as a sensor of depth: what lies before it on its line of sight is empty, what lies just
 /// behind it is solid.
@@ -40,6 +37,6 @@ struct SightLines {
 /// @param cameras  Where the frames of the points were; those of other points see along the normal.
 /// @throws Error (kBadInput) where fewer than 10 points are left, they stand in one line or place,
 /// or none has a camera or normal.
-SightLines MakeSightLines(const PointCloud& cloud, const CameraCenters& cameras);
+SightLines MakeSightLines(const PointCloud& cloud, const MeshCameras& cameras);
 
 }  // namespace livemvs

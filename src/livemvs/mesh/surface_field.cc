@@ -14,6 +14,8 @@ namespace {
 constexpr int kSide = VoxelBlocks::kSide;
 constexpr int kBand = 3;              ///< Layers of voxels on either side whose value is open.
 constexpr float kFar = kBand + 0.5F;  ///< Magnitude beyond.
+/// Weight of the labels' distance, as a share of that of smoothness.
+constexpr float kLabelWeight = 0.05F;
 constexpr float kLeast = 1e-3F;  ///< Magnitudes below are as good as zero, and pushed away from it.
 
 /// Samples of the field while it is made.
@@ -252,12 +254,11 @@ class FieldMaker {
     std::vector<float>& f = field_.values;
     f.resize(field_.blocks.voxels());
     for (std::size_t i = 0; i < f.size(); ++i) {
-      const int layer = samples_.layer[i];
-      f[i] = static_cast<float>(layer) - (layer > 0 ? 0.5F : -0.5F);
-      if (samples_.weight[i] > 0) f[i] = samples_.target[i];
+      f[i] = samples_.weight[i] > 0 ? samples_.target[i] : Distance(samples_.layer[i]);
     }
     std::vector<float> before;
     const auto lambda = static_cast<float>(options_.smoothing);
+    const float label_weight = kLabelWeight * lambda;
     for (int round = 0; round < options_.smoothing_rounds && lambda > 0; ++round) {
       watch.Check();
       before = f;
@@ -267,15 +268,24 @@ class FieldMaker {
         for (int side = 0; side < 6; ++side) {
           const std::int64_t at = cursor->Find(Neighbor(voxel, side));
           if (at == VoxelBlocks::kNone) continue;
-          sum += before[static_cast<std::size_t>(at)];
+          const auto next = static_cast<std::size_t>(at);
+          if (std::abs(samples_.layer[next]) > kBand) continue;
+          sum += before[next];
           count += 1;
         }
-        const float w = samples_.weight[i], l = count > 0 ? lambda : 0;
+        const float points = samples_.weight[i], smooth = count > 0 ? lambda : 0;
         const float mean = count > 0 ? sum / count : 0;
-        f[i] = (w * samples_.target[i] + l * mean) / (w + l);
+        f[i] = (points * samples_.target[i] + label_weight * Distance(samples_.layer[i]) +
+                smooth * mean) /
+               (points + label_weight + smooth);
       });
     }
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = KeepSide(f[i], samples_.layer[i]);
+  }
+
+  /// The distance that the label says. [voxel]
+  static float Distance(int layer) {
+    return static_cast<float>(layer) - (layer > 0 ? 0.5F : -0.5F);
   }
 
   /// Beyond two voxels from the cut the label holds.

@@ -4,13 +4,12 @@
 #include <vector>
 
 #include "livemvs/map/point_index.h"
+#include "livemvs/mesh/facing.h"
 #include "livemvs/mesh/mesh_topology.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
-namespace {
 
-/// Distance of each vertex to the nearest point. [scene]
 std::vector<float> DistancesToPoints(const SightLines& sights, const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3f> points;
   points.reserve(sights.lines.size());
@@ -25,24 +24,36 @@ std::vector<float> DistancesToPoints(const SightLines& sights, const TriangleMes
   return distances;
 }
 
-std::size_t MarkUnsupported(const SightLines& sights,
-                            double h,
-                            const MeshOptions& options,
-                            const TriangleMesh& mesh,
-                            std::vector<char>* marks) {
+namespace {
+
+/// Marks the faces that stand on nothing.
+void MarkUnsupported(const SightLines& sights,
+                     const MeshCameras& cameras,
+                     double h,
+                     const MeshOptions& options,
+                     const TriangleMesh& mesh,
+                     std::vector<char>* marks,
+                     TrimStatistics* statistics) {
   const std::vector<float> distance = DistancesToPoints(sights, mesh);
+  const auto held = static_cast<float>(options.held * h);
   const auto farthest = static_cast<float>(options.support * h);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    float worst = 0;
-    for (int k = 0; k < 3; ++k) {
-      worst = std::max(worst, distance[static_cast<std::size_t>(mesh.faces[i][k])]);
-    }
-    if (worst <= farthest) continue;
-    (*marks)[i] = 1;
-    ++count;
+  std::vector<char> asked(mesh.vertices.size(), 0);
+  for (std::size_t v = 0; v < asked.size(); ++v) {
+    asked[v] = distance[v] > held && distance[v] <= farthest ? 1 : 0;
   }
-  return count;
+  const std::vector<float> facing = FacingOfVertices(mesh, cameras, asked, 2 * h);
+  const auto least = static_cast<float>(options.least_facing);
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    bool far = false, sideways = false;
+    for (int k = 0; k < 3; ++k) {
+      const auto v = static_cast<std::size_t>(mesh.faces[i][k]);
+      far = far || distance[v] > farthest;
+      sideways = sideways || (asked[v] != 0 && !cameras.empty() && facing[v] < least);
+    }
+    (*marks)[i] = far || sideways ? 1 : 0;
+    statistics->unsupported_faces += far ? 1 : 0;
+    statistics->sideways_faces += sideways && !far ? 1 : 0;
+  }
 }
 
 std::size_t RemoveSpecks(double least_share, TriangleMesh* mesh) {
@@ -73,13 +84,14 @@ void RemovePinches(TriangleMesh* mesh) {
 }  // namespace
 
 TrimStatistics TrimMesh(const SightLines& sights,
+                        const MeshCameras& cameras,
                         double h,
                         const MeshOptions& options,
                         TriangleMesh* mesh) {
   TrimStatistics statistics;
   if (!options.watertight) {
     std::vector<char> marks(mesh->faces.size(), 0);
-    statistics.unsupported_faces = MarkUnsupported(sights, h, options, *mesh, &marks);
+    MarkUnsupported(sights, cameras, h, options, *mesh, &marks, &statistics);
     RemoveFaces(marks, mesh);
     RemovePinches(mesh);
   }
