@@ -14,6 +14,7 @@
 #include "livemvs/io/pipe_source.h"
 #include "livemvs/pipeline/search_mode.h"
 #include "livemvs/tracking/board_tracker.h"
+#include "self_camera.h"
 
 namespace livemvs::app {
 namespace {
@@ -157,7 +158,18 @@ void OpenWithBoard(const ScanArguments& args, const Replay* before, ScanInput* i
   input->owned_source = OpenPictures(args, before, input);
   input->source = input->owned_source.get();
   LogInfo(input->source->info().description);
-  input->owned_poses = MakeBoardTracker(*input->board, CalibrationOf(args, *input, before));
+  std::optional<Camera> camera = CalibrationOf(args, *input, before);
+  // A recording can be read twice; what is live calibrates while it is filmed.
+  if (!camera && !input->live && !args.realtime) {
+    camera = FindCameraInRecording({.input = FindFrames(args.data),
+                                    .board = *input->board,
+                                    .board_name = args.board.string(),
+                                    .first_frame = args.first_frame,
+                                    .last_frame = args.last_frame},
+                                   {},
+                                   args.progress);
+  }
+  input->owned_poses = MakeBoardTracker(*input->board, camera);
   input->poses = input->owned_poses.get();
   input->settings.range = RangeAbove(args, *input->board);
   input->settings.method = ResolveSearch({}, input->settings.range, MakeOptions(args.method));
