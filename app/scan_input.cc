@@ -18,8 +18,10 @@ namespace livemvs::app {
 namespace {
 
 /// Frames that are fed again when a recording is resumed, so that the seeds that were alive grow
-/// again.
-constexpr std::int64_t kWarmUpFrames = 60;
+/// again: as many as a seed may take.
+std::int64_t WarmUpFrames(const ScanArguments& args) {
+  return static_cast<std::int64_t>(DefaultOptions().max_age) * args.step;
+}
 
 std::int64_t LastIndex(const Replay& before) {
   std::int64_t last = -1;
@@ -36,7 +38,7 @@ double LastTime(const Replay& before) {
 // Where a recording is taken up.
 std::int64_t FirstFrame(const ScanArguments& args, const Replay* before) {
   if (before == nullptr) return args.first_frame;
-  const std::int64_t back = std::max<std::int64_t>(0, LastIndex(*before) + 1 - kWarmUpFrames);
+  const std::int64_t back = std::max<std::int64_t>(0, LastIndex(*before) + 1 - WarmUpFrames(args));
   // Every step-th frame, counted from the first.
   const std::int64_t steps = (std::max(back, args.first_frame) - args.first_frame) / args.step;
   return args.first_frame + steps * args.step;

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 #include <random>
+#include <thread>
 
 #include "livemvs/backend/cpu/kernels.h"
 #include "livemvs/backend/cpu/row_pairs.h"
@@ -543,14 +544,16 @@ TEST(KernelsTest, MarksThePixelsThatLivingSeedsProjectTo) {
     for (std::size_t i = 0; i < seeds.size(); i += 3) columns.fate[i] = Fate::kRemoved;
     Image<std::uint8_t> marks(frames[2].camera.width, frames[2].camera.height);
     Image<std::uint8_t> expected(marks.width(), marks.height());
-    kernel.mark({TestOptions().coordinate,
-                 columns.View(),
-                 &group,
-                 frames[2].camera.model,
-                 marks.Row(0),
-                 marks.stride()},
-                0,
-                seeds.size());
+    const MarkJob job = {TestOptions().coordinate,
+                         columns.View(),
+                         &group,
+                         frames[2].camera.model,
+                         marks.Row(0),
+                         marks.stride()};
+    // Twice at once, as threads do whose seeds project to the same pixel.
+    std::thread other([&] { kernel.mark(job, 0, seeds.size()); });
+    kernel.mark(job, 0, seeds.size());
+    other.join();
     const Projector projector(frames[2].camera);
     int near_two_pixels = 0, marked = 0;
     for (std::size_t i = 0; i < seeds.size(); ++i) {

@@ -34,10 +34,12 @@ struct Options {
   /// Levels of the image pyramid on which seeds live: each sees half the detail of the one below,
   /// and with the same patch four times the surface. 1: none, as published.
   int levels = 3;
-  /// Seeds are planted in one of so many frames: frames of a video that follow each other offer
-  /// nearly the same pixels, and seeds of one frame are quicker to handle together. 1: in every
-  /// frame, as published.
-  int plant_every = 3;
+  /// Seeds are planted in frames that are at least so many apart: frames of a video that follow
+  /// each other offer nearly the same pixels, and seeds of one frame are quicker to handle
+  /// together. 1: in every frame, as published; 0: in every frame with Search::kFull, in every
+  /// third with kWindow. Frames of several cameras in turn want a number that does not favour one
+  /// of them.
+  int plant_every = 0;
   /// Distance between neighbouring seeds of one frame [px].
   int seed_spacing_px = 1;
   /// A pixel is given a seed only if no live seed and no point that was seen from a similar

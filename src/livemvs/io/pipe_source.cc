@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -98,10 +99,11 @@ class PipeSource final : public LiveSource {
   SourceFrame MakeFrame(PipeStream::Output output) {
     if (!begin_) begin_ = Clock::now();
     const double now = SecondsSince(*begin_);
-    double timestamp = now;
+    // What has no time of its own has that of its coming, yet after the latest picture, whose
+    // stream may have been sent faster than its times say. So it is with where a stream begins.
+    const double next = std::max(now, latest_ + 1e-3);
+    double timestamp = next;
     if (output.time) {
-      // A later stream begins when it came, yet after what the earlier one, perhaps sent faster
-      // than its times say, ended with.
       if (!stream_start_) stream_start_ = std::max(now, latest_ + FrameSeconds()) - *output.time;
       timestamp = *output.time + *stream_start_;
     }

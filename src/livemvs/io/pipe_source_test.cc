@@ -204,6 +204,19 @@ TEST_F(PipeSourceTest, AWriterThatDiesIsNoticedAndTheNextOneGoesOn) {
   EXPECT_GT(frames[0].timestamp, before.back().timestamp);
 }
 
+TEST_F(PipeSourceTest, PicturesWithoutTimesComeAfterThoseWhoseTimesRanAhead) {
+  WriteLater({Y4m(0, 20)});  // 0.8 s of pictures at once
+  const auto source = OpenPipe(path_, {});
+  const auto before = ReadAll(source.get());
+  ASSERT_EQ(before.size(), 20U);
+  source->Next();
+  WriteLater({Jpeg(20), Jpeg(21), Jpeg(22)});
+  const auto frames = ReadAll(source.get());
+  ASSERT_GE(frames.size(), 2U);
+  EXPECT_GT(frames[0].timestamp, before.back().timestamp);
+  EXPECT_GT(frames[1].timestamp, frames[0].timestamp);
+}
+
 TEST_F(PipeSourceTest, AWriterThatStallsIsNoticedWithinASecond) {
   const std::string whole = Y4m(0, 4);
   WriteLater({whole.substr(0, whole.size() / 2), whole.substr(whole.size() / 2)},

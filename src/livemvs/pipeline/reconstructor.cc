@@ -29,6 +29,11 @@ class StageTimer {
   Clock::time_point start_;
 };
 
+int PlantEvery(const Options& options) {
+  if (options.plant_every > 0) return options.plant_every;
+  return options.search == Search::kFull ? 1 : 3;
+}
+
 const Options& Checked(const Options& options) {
   options.Check();
   return options;
@@ -196,10 +201,12 @@ void Reconstructor::ReportLiveSeeds() {
 
 void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.spawn_seconds);
-  const bool first = statistics_.frames == 0;
-  if (!first && ++frames_unplanted_ < options_.plant_every) return;
+  if (frames_to_wait_ > 0) {
+    --frames_to_wait_;
+    return;
+  }
   if (static_cast<double>(pool_.free_slots()) < kFreeShare * options_.max_seeds) return;
-  frames_unplanted_ = 0;
+  frames_to_wait_ = PlantEvery(options_) - 1;
   statistics_.seeds_spawned +=
       spawner_.Spawn(frame, pyramid_.levels(), points_, backend_.get(), &pool_);
 }

@@ -95,7 +95,7 @@ class Reconstructor {
   ReconstructionStatistics statistics_;
   SeedObserver* observer_ = nullptr;
   std::int64_t last_frame_ = 0;  // index of the latest frame
-  int frames_unplanted_ = 0;     // since seeds were last planted
+  int frames_to_wait_ = 0;       // before seeds are planted again
 };
 
 }  // namespace livemvs

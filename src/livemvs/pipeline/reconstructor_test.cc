@@ -118,18 +118,30 @@ TEST(ReconstructorTest, MatchesTheReference) {
 }
 
 TEST(ReconstructorTest, PlantsInEveryNthFrame) {
-  Options options = TestOptions();
-  options.plant_every = 3;
-  options.max_seeds = 200'000;   // always room ...
-  options.cover_radius_px = -1;  // ... and always somewhere to plant
-  options.seed_spacing_px = 5;
-  Reconstructor reconstructor(options, NearFar());
-  std::int64_t before = 0;
-  for (int i = 0; i < 10; ++i) {
-    reconstructor.AddFrame(PlaneFrames()[i]);
-    const std::int64_t spawned = reconstructor.statistics().seeds_spawned;
-    EXPECT_EQ(spawned > before, i % 3 == 0) << "frame " << i;
-    before = spawned;
+  const struct {
+    int option;
+    Search search;
+    int every;
+  } cases[] = {{3, Search::kWindow, 3},
+               {1, Search::kWindow, 1},
+               {0, Search::kWindow, 3},
+               {0, Search::kFull, 1},
+               {2, Search::kFull, 2}};
+  for (const auto& c : cases) {
+    Options options = TestOptions();
+    options.plant_every = c.option;
+    options.search = c.search;
+    options.max_seeds = 200'000;   // always room ...
+    options.cover_radius_px = -1;  // ... and always somewhere to plant
+    options.seed_spacing_px = 5;
+    Reconstructor reconstructor(options, NearFar());
+    std::int64_t before = 0;
+    for (int i = 0; i < 7; ++i) {
+      reconstructor.AddFrame(PlaneFrames()[i]);
+      const std::int64_t spawned = reconstructor.statistics().seeds_spawned;
+      EXPECT_EQ(spawned > before, i % c.every == 0) << "frame " << i << ", every " << c.every;
+      before = spawned;
+    }
   }
 }
 
