@@ -76,11 +76,31 @@ std::string Process::text() {
 
 bool Process::WaitFor(const std::string& text_wanted) {
   const auto start = Clock::now();
-  while (Clock::now() - start < std::chrono::seconds(20)) {
+  while (Clock::now() - start < std::chrono::minutes(1)) {
     if (text().find(text_wanted) != std::string::npos) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return false;
 }
+
+PauseWatch::PauseWatch()
+    : thread_([this] {
+        constexpr std::chrono::milliseconds kTick{10}, kPause{100};
+        auto last = Process::Clock::now();
+        while (!stop_) {
+          std::this_thread::sleep_for(kTick);
+          const auto now = Process::Clock::now();
+          const auto pause = std::chrono::duration_cast<std::chrono::milliseconds>(now - last);
+          if (pause > kPause) milliseconds_ += pause.count();
+          last = now;
+        }
+      }) {}
+
+PauseWatch::~PauseWatch() {
+  stop_ = true;
+  thread_.join();
+}
+
+double PauseWatch::Total() const { return 1e-3 * static_cast<double>(milliseconds_); }
 
 }  // namespace livemvs::testing_support

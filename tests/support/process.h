@@ -2,7 +2,9 @@
 
 #include <sys/types.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -32,7 +34,7 @@ class Process {
   /// What it wrote so far.
   std::vector<Line> lines();
   std::string text();
-  /// Waits until it has written this, for up to 20 s.
+  /// Waits until it has written this, for up to a minute.
   bool WaitFor(const std::string& text);
 
  private:
@@ -44,6 +46,23 @@ class Process {
   std::mutex mutex_;
   std::vector<Line> lines_;
   std::thread reader_;
+};
+
+/// Notices when the machine gives this process no time: a test on the clock can allow for it.
+class PauseWatch {
+ public:
+  PauseWatch();
+  ~PauseWatch();
+  PauseWatch(const PauseWatch&) = delete;
+  PauseWatch& operator=(const PauseWatch&) = delete;
+
+  /// Of all pauses since it was made [s]; those too short to matter are not counted.
+  double Total() const;
+
+ private:
+  std::atomic<bool> stop_ = false;
+  std::atomic<std::int64_t> milliseconds_ = 0;
+  std::thread thread_;
 };
 
 }  // namespace livemvs::testing_support

@@ -10,6 +10,10 @@
 namespace livemvs {
 namespace {
 
+// Offers per seed that is still wanted: somewhat fewer than the last round suggests, so that the
+// last of them are spread over the whole picture; many more where it planted none.
+constexpr double kCautious = 0.8, kBolder = 8, kMostOffers = 1e6;
+
 // Seeds keep this far from the border, so that their patch and its gradient lie in the picture.
 constexpr int kBorder = kPatchRadius + 1;
 
@@ -91,26 +95,39 @@ std::int64_t Spawner::Spawn(const PosedFrame& frame,
 std::int64_t Spawner::Plant(const View& view, SeedPool* pool) {
   pool->BeginReference(view.frame_index, view.level, view.camera, view.cam_from_world);
   std::int64_t planted = 0;
-  // Some of those that are offered are refused: what they leave is offered to others.
+  // Some of those that are offered are refused: what they leave is offered to others. Where most
+  // are refused, as outside of the range, more are offered: each round looks at the whole picture.
+  double offers_per_seed = 1;
   while (pool->free_slots() > 0) {
-    const std::size_t offered = PlantShare(view, pool, &planted);
+    const std::int64_t before = planted;
+    const auto wanted =
+        static_cast<std::size_t>(offers_per_seed * static_cast<double>(pool->free_slots()));
+    const std::size_t offered = PlantShare(view, wanted, pool, &planted);
     if (offered == 0) break;
+    const std::int64_t taken = planted - before;
+    const double next = taken > 0
+                            ? kCautious * static_cast<double>(offered) / static_cast<double>(taken)
+                            : kBolder * offers_per_seed;
+    offers_per_seed = std::clamp(next, 1.0, kMostOffers);
   }
   pool->EndReference();
   return planted;
 }
 
-std::size_t Spawner::PlantShare(const View& view, SeedPool* pool, std::int64_t* planted) {
+std::size_t Spawner::PlantShare(const View& view,
+                                std::size_t wanted,
+                                SeedPool* pool,
+                                std::int64_t* planted) {
   // Whole phases as far as they fit; of the next, an even share.
   const auto count = candidates_.count();
   int full = 0;
-  std::size_t left = pool->free_slots();
+  std::size_t left = wanted;
   while (full < Candidates::kPhases && count[full] <= left) left -= count[full++];
   const std::size_t share_of = full < Candidates::kPhases ? count[full] : 1;
   std::size_t carry = 0, offered = 0;
   const Projector projector(view.camera);
   candidates_.ForEach([&](int x, int y, int phase) {
-    if (phase > full) return;
+    if (phase > full || pool->free_slots() == 0) return;
     if (phase == full) {
       carry += left;
       if (carry < share_of) return;

@@ -47,7 +47,10 @@ class Spawner {
   };
 
   std::int64_t Plant(const View& view, SeedPool* pool);
-  std::size_t PlantShare(const View& view, SeedPool* pool, std::int64_t* planted);
+  std::size_t PlantShare(const View& view,
+                         std::size_t wanted,
+                         SeedPool* pool,
+                         std::int64_t* planted);
   bool PlantOne(const View& view, const Projector& projector, int x, int y, SeedPool* pool) const;
 
   Options options_;
