@@ -41,6 +41,7 @@ struct DatasetView {
   std::int64_t index = 0;
   double timestamp = 0;
   std::string name;
+  std::filesystem::path file;  ///< The picture's own; empty for a frame of a video.
   Camera camera;
   Rigid3d cam_from_world;
 };
