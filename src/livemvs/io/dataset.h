@@ -41,9 +41,9 @@ struct DatasetView {
   std::int64_t index = 0;
   double timestamp = 0;
   std::string name;
-  std::filesystem::path file;  ///< The picture's own; empty for a frame of a video.
   Camera camera;
   Rigid3d cam_from_world;
+  std::filesystem::path file{};  ///< The picture's own; empty for a frame of a video.
 };
 
 /// Pictures with poses and intrinsics, in our conventions (integer pixel centres; x right, y down,
