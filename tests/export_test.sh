@@ -68,7 +68,8 @@ if command -v colmap >/dev/null; then
   expect 0 "Registered images: 40" colmap model_analyzer --path "$work/colmap/sparse/0"
   expect 0 "Points: 300" colmap model_analyzer --path "$work/colmap/sparse/0"
   mkdir "$work/binary"
-  expect 0 "" colmap model_converter --input_path "$work/colmap/sparse/0" --output_path "$work/binary" --output_type BIN
+  check "COLMAP cannot convert the model" colmap model_converter --input_path "$work/colmap/sparse/0" \
+    --output_path "$work/binary" --output_type BIN
   check "COLMAP wrote no binary model" test -s "$work/binary/images.bin"
 else
   echo "skipped: what COLMAP reads; it is not installed"

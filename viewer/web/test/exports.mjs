@@ -1,5 +1,5 @@
 // What `livemvs export` writes, as other people's readers see it: Khronos' validator, three.js in a
-// real browser, and loaders.gl for LAS.
+// real browser, and copc's reader for LAS.
 //
 //   node exports.mjs LIVEMVS SAMPLE-FOLDER OUTPUT-FOLDER
 //
@@ -7,7 +7,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, readFileSync, rmSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -15,12 +15,12 @@ import { fileURLToPath } from "node:url";
 const [program, sample, output] = process.argv.slice(2);
 const web = join(dirname(fileURLToPath(import.meta.url)), "..");
 const chromiumPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
-const packages = await Promise.all(["playwright-core", "gltf-validator", "@loaders.gl/core", "@loaders.gl/las"].map((name) => import(name).catch(() => null)));
+const packages = await Promise.all(["playwright-core", "gltf-validator", "copc"].map((name) => import(name).catch(() => null)));
 if (!chromiumPath || packages.includes(null)) {
   console.log("skipped: needs Chromium, and the packages of viewer/web (scripts/setup --dev)");
   process.exit(77);
 }
-const [playwright, validator, loaders, las] = packages;
+const [playwright, validator, { Las }] = packages;
 
 rmSync(output, { recursive: true, force: true });
 mkdirSync(output, { recursive: true });
@@ -51,7 +51,9 @@ function readPly(path) {
 livemvs("run", "--data", sample, "-o", file("cloud.ply"), "--seeds", "8000", "--last-frame", "59", "--progress", "none");
 const mesh = join(sample, "mesh.ply.gz");
 livemvs("export", file("cloud.ply"), "-o", file("cloud.glb"));
-livemvs("export", file("cloud.ply"), "-o", file("cloud.las"));
+const CRS = 'LOCAL_CS["board",UNIT["metre",1]]';
+writeFileSync(file("board.wkt"), `${CRS}\n`);
+livemvs("export", file("cloud.ply"), "-o", file("cloud.las"), "--crs", file("board.wkt"));
 livemvs("export", mesh, "-o", file("mesh.glb"));
 livemvs("export", mesh, "-o", file("draco.glb"), "--draco");
 const cloud = readPly(file("cloud.ply"));
@@ -68,18 +70,33 @@ test("Khronos' validator finds nothing wrong", async () => {
   }
 });
 
-test("loaders.gl reads the LAS file", async () => {
+test("copc's reader reads the LAS file: header, points, colours, extra bytes", async () => {
   const bytes = readFileSync(file("cloud.las"));
-  const read = await loaders.parse(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), las.LASLoader, { worker: false, las: { colorDepth: 16, fp64: true } });
-  const { POSITION, COLOR_0 } = read.attributes;
-  assert.equal(POSITION.value.length, 3 * cloud.count);
-  const step = read.loaderData.scale[0];
+  const header = Las.Header.parse(bytes);
+  assert.deepEqual([header.majorVersion, header.minorVersion, header.pointDataRecordFormat, header.pointCount], [1, 4, 7, cloud.count]);
+  assert.equal(header.pointCountByReturn[0], cloud.count);
+  assert.equal(bytes.length, header.pointDataOffset + cloud.count * header.pointDataRecordLength);
+  const records = await Las.Vlr.walk(async (begin, end) => new Uint8Array(bytes.subarray(begin, end)), header);
+  const wkt = Las.Vlr.find(records, "LASF_Projection", 2112);
+  assert.equal(bytes.subarray(wkt.contentOffset, wkt.contentOffset + wkt.contentLength).toString(), `${CRS}\0`);
+  const extra = Las.Vlr.find(records, "LASF_Spec", 4);
+  const fields = Las.ExtraBytes.parse(bytes.subarray(extra.contentOffset, extra.contentOffset + extra.contentLength));
+  assert.deepEqual(fields.map((f) => f.name), ["sigma", "inlier_ratio", "views", "nx", "ny", "nz"]);
+  const view = Las.View.create(new Uint8Array(bytes.subarray(header.pointDataOffset)), header, fields);
+  const get = Object.fromEntries(["X", "Y", "Z", "Red", "Green", "Blue", ...fields.map((f) => f.name)].map((name) => [name, view.getter(name)]));
+  const low = [Infinity, Infinity, Infinity];
   for (let i = 0; i < cloud.count; i++) {
     const row = cloud.at(i);
-    [row.x, row.y, row.z].forEach((v, k) => assert.ok(Math.abs(POSITION.value[3 * i + k] - v) <= step, `point ${i}`));
-    const size = COLOR_0.size ?? 4;
-    [row.red, row.green, row.blue].forEach((v, k) => assert.equal(COLOR_0.value[size * i + k], v, `colour of point ${i}`));
+    ["x", "y", "z"].forEach((axis, k) => {
+      const value = get[axis.toUpperCase()](i);
+      low[k] = Math.min(low[k], value);
+      assert.ok(Math.abs(value - row[axis]) <= header.scale[k], `${axis} of point ${i}`);
+    });
+    assert.deepEqual([get.Red(i), get.Green(i), get.Blue(i)], [row.red, row.green, row.blue].map((v) => 257 * v));
+    assert.deepEqual([get.sigma(i), get.inlier_ratio(i), get.views(i)], [row.sigma, row.inlier_ratio, row.views]);
+    ["nx", "ny", "nz"].forEach((n) => assert.ok(Math.abs(get[n](i) - row[n]) < 1e-5, `${n} of point ${i}`));
   }
+  low.forEach((v, k) => assert.ok(Math.abs(v - header.min[k]) < header.scale[k] / 2, `${v} is not the least, ${header.min[k]}`));
 });
 
 // A page that loads files with three.js and draws them.
@@ -124,6 +141,7 @@ window.ready = true;
 const TYPES = { ".js": "text/javascript", ".wasm": "application/wasm" };
 const server = createServer((request, response) => {
   const url = request.url.split("?")[0];
+  if (url === "/favicon.ico") return response.writeHead(204).end();
   if (url === "/") return response.setHeader("content-type", "text/html").end(PAGE);
   const path = url.startsWith("/three/") ? join(web, "node_modules", url) : join(output, url.replace("/out/", ""));
   if (!existsSync(path)) return response.writeHead(404).end();
