@@ -63,6 +63,33 @@ before=$(head -c 2000 "$cloud" | grep -a '^element vertex' | cut -d' ' -f3)
 after=$(head -c 2000 "$work/colmap.ply" | grep -a '^element vertex' | cut -d' ' -f3)
 check "$after points of the workspace, $before of its source" test $((after * 10)) -gt $((before * 9))
 
+# The folder of a scan: its own poses, or those of it with the film it was made from.
+mkdir "$work/scan"
+cp "$cloud" "$work/scan/cloud.ply"
+cat >"$work/scan/camera.yaml" <<'END'
+%YAML:1.0
+image_width: 960
+image_height: 720
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 900., 0., 479.5, 0., 900., 359.5, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 4
+   dt: d
+   data: [ 0., 0., 0., 0. ]
+END
+printf '%s 0 0 0 0 0 0 1\n' 0.0 0.0333333 0.0666667 >"$work/scan/poses.txt"
+expect 0 "scan.glb" export_ "$work/scan" -o "$work/scan.glb"
+expect 0 "3 pictures" export_ "$work/scan" --format nerfstudio --no-pictures -o "$work/scan-poses"
+# The middle of the top-left pixel is (0.5, 0.5) there.
+check "the principal point is not where nerfstudio has it" grep -q '"cx": 480.0' "$work/scan-poses/transforms.json"
+video=$(find "$sample" -name '*.mp4')
+expect 0 "3 pictures" export_ "$work/scan" --data "$video" --format colmap -o "$work/scan-film"
+check "the film's frames are not there" test -s "$work/scan-film/images/000002.png"
+
 if command -v colmap >/dev/null; then
   export QT_QPA_PLATFORM=offscreen
   expect 0 "Registered images: 40" colmap model_analyzer --path "$work/colmap/sparse/0"
@@ -93,6 +120,8 @@ expect 3 "is an input" export_ "$cloud" -o "$cloud"
 expect 3 "does not exist; create it" export_ "$cloud" -o "$work/no/such/bad.glb"
 expect 3 "no point has 60000 views" export_ "$cloud" -o "$work/bad.glb" --min-views 60000
 expect 3 "name the recording with --data" export_ "$cloud" --format colmap -o "$work/bad"
+expect 3 "missing" export_ "$cloud" --data "$work/missing" --format colmap -o "$work/bad"
+expect 3 "--no-pictures" export_ "$work/scan" --format colmap -o "$work/bad"
 expect 3 "not an empty folder" export_ "$cloud" --data "$sample" --format colmap -o "$work/full"
 check "a failed export left something" test -z "$(find "$work" -name 'bad*' -o -name '*.tmp-*')"
 
