@@ -23,6 +23,7 @@ void AddCamerasCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddSynthCommand(CLI::App& app);
 void AddEvalCommand(CLI::App& app);
+void AddMeshCommand(CLI::App& app);
 void AddDepthCheckCommand(CLI::App& app);
 void AddRenderCommand(CLI::App& app);
 void AddViewCommand(CLI::App& app);

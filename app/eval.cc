@@ -82,15 +82,20 @@ std::vector<EvaluationCamera> ReadCameras(const EvalArguments& args) {
   return cameras;
 }
 
+TriangleMesh MeshOf(const PlyContents& contents) {
+  TriangleMesh mesh;
+  mesh.faces = contents.faces;
+  for (const Point& p : contents.cloud) mesh.vertices.push_back(p.position);
+  return mesh;
+}
+
 Reference ReadReference(const EvalArguments& args) {
   PlyContents contents = ReadPly(args.reference);
   if (contents.cloud.empty()) throw BadInput(args.reference + ": holds no points");
   Reference reference{std::move(contents.cloud), std::nullopt};
   if (!contents.faces.empty()) {
-    TriangleMesh mesh;
-    for (const Point& p : reference.cloud) mesh.vertices.push_back(p.position);
-    mesh.faces = std::move(contents.faces);
-    reference.surface.emplace(mesh);
+    contents.cloud = std::move(reference.cloud);
+    reference.surface.emplace(MeshOf(contents));
     return reference;
   }
   for (const auto& [option, value] :
@@ -103,12 +108,23 @@ Reference ReadReference(const EvalArguments& args) {
   return reference;
 }
 
+Evaluation EvaluateContents(const EvalArguments& args,
+                            const PlyContents& judged,
+                            const Reference& reference) {
+  if (!judged.faces.empty()) {
+    const TriangleMesh mesh = MeshOf(judged);
+    return reference.surface
+               ? EvaluateMesh(mesh, *reference.surface, ReadCameras(args), args.options)
+               : EvaluateMesh(mesh, reference.cloud, args.options);
+  }
+  return reference.surface ? EvaluateAgainstMesh(
+                                 judged.cloud, *reference.surface, ReadCameras(args), args.options)
+                           : EvaluateAgainstCloud(judged.cloud, reference.cloud, args.options);
+}
+
 Evaluation Evaluate(const EvalArguments& args, const Reference& reference) {
   const PlyContents cloud = ReadPly(args.cloud);
-  Evaluation result =
-      reference.surface
-          ? EvaluateAgainstMesh(cloud.cloud, *reference.surface, ReadCameras(args), args.options)
-          : EvaluateAgainstCloud(cloud.cloud, reference.cloud, args.options);
+  Evaluation result = EvaluateContents(args, cloud, reference);
   result.not_finite += static_cast<std::size_t>(cloud.dropped_vertices);
   if (result.samples_in_box == 0) {
     LogWarning(args.reference + ": none of the reference is in the box; check --box and its unit");

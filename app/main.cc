@@ -42,6 +42,7 @@ int Main(int argc, char** argv) {
   AddInfoCommand(app);
   AddSynthCommand(app);
   AddEvalCommand(app);
+  AddMeshCommand(app);
   AddDepthCheckCommand(app);
   AddRenderCommand(app);
   AddViewCommand(app);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "livemvs/core/frame.h"
@@ -19,7 +20,16 @@ struct Point {
   std::uint16_t views = 0;  ///< Frames whose measurement agreed.
   float footprint = 0;      ///< Width on the surface of a pixel of the image it was matched in
                             ///< [scene].
+  std::int32_t frame = -1;  ///< Index of the frame in which it converged, whose camera saw it; -1:
+                            ///< unknown.
 };
+
+/// A frame's index as Point::frame holds it; -1 where it does not fit.
+inline std::int32_t FrameNumber(std::int64_t index) {
+  return index >= 0 && index <= std::numeric_limits<std::int32_t>::max()
+             ? static_cast<std::int32_t>(index)
+             : -1;
+}
 
 using PointCloud = std::vector<Point>;
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -39,7 +40,96 @@ std::vector<float> SortedDistances(const std::vector<Eigen::Vector3f>& from, con
   return distances;
 }
 
+/// The judged part of a mesh, and points spread over it.
+struct MeshSample {
+  std::vector<Eigen::Vector3f> points;
+  std::optional<MeshSurface> surface;  ///< Of the triangles that may reach into the box.
+  std::size_t not_finite = 0;
+};
+
+MeshSample SampleMesh(const TriangleMesh& mesh, const EvaluationOptions& options) {
+  TriangleMesh part;
+  part.vertices = mesh.vertices;
+  MeshSample sample;
+  for (Eigen::Vector3f& v : part.vertices) {
+    if (v.allFinite()) continue;
+    ++sample.not_finite;
+    v.setZero();
+  }
+  const auto corner = [&](const Eigen::Vector3i& face, int k) -> const Eigen::Vector3f& {
+    return mesh.vertices[static_cast<std::size_t>(face[k])];
+  };
+  for (const Eigen::Vector3i& face : mesh.faces) {
+    const Eigen::Vector3f &a = corner(face, 0), &b = corner(face, 1), &c = corner(face, 2);
+    if (!a.allFinite() || !b.allFinite() || !c.allFinite()) continue;
+    if (options.box) {
+      const Eigen::Vector3d lo = a.cwiseMin(b).cwiseMin(c).cast<double>();
+      const Eigen::Vector3d hi = a.cwiseMax(b).cwiseMax(c).cast<double>();
+      if ((hi.array() < options.box->min.array()).any() ||
+          (lo.array() > options.box->max.array()).any()) {
+        continue;
+      }
+    }
+    part.faces.push_back(face);
+  }
+  if (part.faces.empty()) return sample;
+  sample.surface.emplace(part);
+  sample.points = sample.surface->Sample(options.samples, options.seed + 1, options.box);
+  return sample;
+}
+
+std::vector<float> SortedDistances(const std::vector<Eigen::Vector3f>& from,
+                                   const std::optional<MeshSurface>& to) {
+  std::vector<float> distances(from.size(), std::numeric_limits<float>::infinity());
+  if (to) {
+    ParallelFor(from.size(), [&](std::size_t i) {
+      distances[i] = static_cast<float>(to->Distance(from[i].cast<double>()));
+    });
+  }
+  tbb::parallel_sort(distances.begin(), distances.end());
+  return distances;
+}
+
 }  // namespace
+
+Evaluation EvaluateMesh(const TriangleMesh& mesh,
+                        const MeshSurface& reference,
+                        std::span<const EvaluationCamera> cameras,
+                        const EvaluationOptions& options) {
+  options.Check();
+  const MeshSample sample = SampleMesh(mesh, options);
+  Evaluation result;
+  result.points = sample.points.size();
+  result.not_finite = sample.not_finite;
+  result.cameras = cameras.size();
+  result.accuracy.resize(sample.points.size());
+  ParallelFor(sample.points.size(), [&](std::size_t i) {
+    result.accuracy[i] = static_cast<float>(reference.Distance(sample.points[i].cast<double>()));
+  });
+  tbb::parallel_sort(result.accuracy.begin(), result.accuracy.end());
+  std::vector<Eigen::Vector3f> samples =
+      reference.Sample(options.samples, options.seed, options.box);
+  result.samples_in_box = samples.size();
+  if (!cameras.empty()) samples = SeenSamples(samples, reference, cameras, options);
+  result.completeness = SortedDistances(samples, sample.surface);
+  return result;
+}
+
+Evaluation EvaluateMesh(const TriangleMesh& mesh,
+                        const PointCloud& reference,
+                        const EvaluationOptions& options) {
+  options.Check();
+  const MeshSample sample = SampleMesh(mesh, options);
+  const Selection samples = Select(reference, options.box);
+  Evaluation result;
+  result.points = sample.points.size();
+  result.not_finite = sample.not_finite;
+  result.samples_in_box = samples.in_box.size();
+  result.accuracy =
+      SortedDistances(sample.points, PointIndex(Select(reference, std::nullopt).in_box));
+  result.completeness = SortedDistances(samples.in_box, sample.surface);
+  return result;
+}
 
 void EvaluationOptions::Check() const {
   if (box && !(box->min.allFinite() && box->max.allFinite() &&

@@ -50,6 +50,19 @@ Evaluation EvaluateAgainstMesh(const PointCloud& cloud,
                                std::span<const EvaluationCamera> cameras,
                                const EvaluationOptions& options);
 
+/// Compares a mesh with a mesh: as a cloud of options.samples points spread uniformly over its area
+/// would be, but completeness is measured to the surface itself, as far as it has a triangle in the
+/// box. Vertices that are not finite are counted, their triangles left out.
+Evaluation EvaluateMesh(const TriangleMesh& mesh,
+                        const MeshSurface& reference,
+                        std::span<const EvaluationCamera> cameras,
+                        const EvaluationOptions& options);
+
+/// As above, against a cloud, whose points are the surface.
+Evaluation EvaluateMesh(const TriangleMesh& mesh,
+                        const PointCloud& reference,
+                        const EvaluationOptions& options);
+
 /// Compares a cloud with another cloud, whose points are the surface and all its samples.
 Evaluation EvaluateAgainstCloud(const PointCloud& cloud,
                                 const PointCloud& reference,

@@ -19,7 +19,22 @@ using ply::Property;
 constexpr int kMaxPolygon = 10'000;
 
 /// What a vertex property means to us.
-enum class Field { kNone, kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kSigma, kRatio, kViews };
+enum class Field {
+  kNone,
+  kX,
+  kY,
+  kZ,
+  kNx,
+  kNy,
+  kNz,
+  kRed,
+  kGreen,
+  kBlue,
+  kSigma,
+  kRatio,
+  kViews,
+  kFrame
+};
 
 Field FieldOf(const std::string& name) {
   static constexpr std::pair<const char*, Field> kNames[] = {{"x", Field::kX},
@@ -39,7 +54,8 @@ Field FieldOf(const std::string& name) {
                                                              {"diffuse_blue", Field::kBlue},
                                                              {"sigma", Field::kSigma},
                                                              {"inlier_ratio", Field::kRatio},
-                                                             {"views", Field::kViews}};
+                                                             {"views", Field::kViews},
+                                                             {"frame", Field::kFrame}};
   for (const auto& [known, field] : kNames) {
     if (name == known) return field;
   }
@@ -91,6 +107,11 @@ void SetField(Point* point, Field field, double value, ply::Type type) {
       break;
     case Field::kViews:
       point->views = value > 0 ? static_cast<std::uint16_t>(std::min(value, 65535.0)) : 0;
+      break;
+    case Field::kFrame:
+      point->frame = value >= 0 && value <= std::numeric_limits<std::int32_t>::max()
+                         ? static_cast<std::int32_t>(value)
+                         : -1;
       break;
     case Field::kNone:
       break;

@@ -37,7 +37,7 @@ PlyContents ReadPly(const std::filesystem::path& path, const PlyReadOptions& opt
 TriangleMesh ReadMeshPly(const std::filesystem::path& path, const PlyReadOptions& options = {});
 
 /// Writes a cloud as binary little-endian PLY: x y z nx ny nz red green blue sigma inlier_ratio
-/// views. The file appears whole or not at all.
+/// views, and frame where a point knows it. The file appears whole or not at all.
 /// @param normals  What the normals mean, for the header: "towards the first camera".
 /// @throws Error (kOutOfResource) where the file cannot be written.
 void WritePly(const std::filesystem::path& path,

@@ -59,13 +59,15 @@ std::string OneLine(std::string text) {
 void WritePly(const std::filesystem::path& path,
               const PointCloud& cloud,
               const std::string& normals) {
+  const bool has_frames =
+      std::any_of(cloud.begin(), cloud.end(), [](const Point& p) { return p.frame >= 0; });
   AtomicFile file(path);
   file.Write(HeaderStart() + "comment normals: " + OneLine(normals) +
              "\ncomment sigma: standard deviation of the depth, in units of the positions\n"
              "element vertex " +
              std::to_string(cloud.size()) + "\n" + kPosition + kNormal + kColor +
-             "property float sigma\nproperty float inlier_ratio\nproperty ushort views\n"
-             "end_header\n");
+             "property float sigma\nproperty float inlier_ratio\nproperty ushort views\n" +
+             (has_frames ? "property int frame\n" : "") + "end_header\n");
   Row row;
   for (const Point& point : cloud) {
     row.Add(point.position);
@@ -74,6 +76,7 @@ void WritePly(const std::filesystem::path& path,
     row.Add(point.sigma);
     row.Add(point.inlier_ratio);
     row.Add(point.views);
+    if (has_frames) row.Add(point.frame);
     row.WriteTo(file);
   }
   file.Commit();

@@ -147,6 +147,7 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   point.inlier_ratio = s.a[i] / (s.a[i] + s.b[i]);
   point.views = s.counts[i].views;
   point.footprint = z.depth / static_cast<float>(reference.camera.FocalLength());
+  point.frame = FrameNumber(frame.index);
   if (const auto pixel = projector.Project(in_cur)) {
     const auto clamped = [](double v, int size) {
       return static_cast<int>(std::lround(std::clamp(v, 0.0, size - 1.0)));

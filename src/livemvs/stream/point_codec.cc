@@ -128,7 +128,7 @@ Point GetPoint(const Frame& frame, ByteReader* in) {
   return p;
 }
 
-bool GetPoints(std::size_t count, ByteReader* in, PointCloud* points) {
+bool GetPoints(std::size_t count, std::int64_t frame_index, ByteReader* in, PointCloud* points) {
   Frame frame;
   for (int i = 0; i < 3; ++i) frame.min[i] = in->Get<float>();
   for (int i = 0; i < 3; ++i) frame.extent[i] = in->Get<float>();
@@ -136,7 +136,10 @@ bool GetPoints(std::size_t count, ByteReader* in, PointCloud* points) {
   frame.footprint_scale = in->Get<float>();
   if (!in->ok() || !IsSane(frame) || in->left() < count * kPointBytes) return false;
   points->reserve(count);
-  for (std::size_t i = 0; i < count; ++i) points->push_back(GetPoint(frame, in));
+  for (std::size_t i = 0; i < count; ++i) {
+    points->push_back(GetPoint(frame, in));
+    points->back().frame = FrameNumber(frame_index);
+  }
   return true;
 }
 
@@ -197,7 +200,7 @@ std::optional<PointsMessage> DecodePoints(ByteSpan payload) {
   message.first_id = in.Get<std::uint32_t>();
   constexpr auto kMaxId = std::numeric_limits<std::uint32_t>::max();
   if (!in.ok() || message.frame < 0 || count > kMaxPointsPerRecord ||
-      message.first_id > kMaxId - count || !GetPoints(count, &in, &message.points)) {
+      message.first_id > kMaxId - count || !GetPoints(count, message.frame, &in, &message.points)) {
     return std::nullopt;
   }
   return message;
@@ -225,7 +228,7 @@ std::optional<PointsMessage> DecodeRefinedPoints(ByteSpan payload) {
   const auto count = in.Get<std::uint32_t>();
   in.Get<std::uint32_t>();
   if (!in.ok() || message.frame < 0 || count > kMaxPointsPerRecord ||
-      !GetPoints(count, &in, &message.points)) {
+      !GetPoints(count, message.frame, &in, &message.points)) {
     return std::nullopt;
   }
   for (std::uint32_t i = 0; i < count; ++i) message.ids.push_back(in.Get<std::uint32_t>());

@@ -34,13 +34,19 @@ function readPly(path) {
   const header = bytes.subarray(0, end).toString("latin1");
   const count = Number(/element vertex (\d+)/.exec(header)[1]);
   const names = [...header.matchAll(/property (\w+) (\w+)\n/g)].map((m) => [m[2], m[1]]);
-  const size = { float: 4, uchar: 1, ushort: 2 };
+  const read = {
+    float: (offset) => bytes.readFloatLE(offset),
+    uchar: (offset) => bytes.readUInt8(offset),
+    ushort: (offset) => bytes.readUInt16LE(offset),
+    int: (offset) => bytes.readInt32LE(offset),
+  };
+  const size = { float: 4, uchar: 1, ushort: 2, int: 4 };
   const stride = names.reduce((sum, [, type]) => sum + size[type], 0);
   const at = (i) => {
     let offset = end + i * stride;
     const row = {};
     for (const [name, type] of names) {
-      row[name] = type === "float" ? bytes.readFloatLE(offset) : type === "uchar" ? bytes.readUInt8(offset) : bytes.readUInt16LE(offset);
+      row[name] = read[type](offset);
       offset += size[type];
     }
     return row;
