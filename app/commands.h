@@ -30,5 +30,6 @@ void AddViewCommand(CLI::App& app);
 void AddBoardCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddTrackCommand(CLI::App& app);
+void AddExportCommand(CLI::App& app);
 
 }  // namespace livemvs::app

@@ -5,13 +5,13 @@
 
 namespace livemvs::app {
 
-void AddDatasetOptions(CLI::App* command, DatasetOptions* options) {
+void AddDatasetOptions(CLI::App* command, DatasetOptions* options, bool required) {
   static const std::map<std::string, PoseConvention> kConventions = {
       {"auto", PoseConvention::kAuto},
       {"cam-from-world", PoseConvention::kCamFromWorld},
       {"world-from-cam", PoseConvention::kWorldFromCam},
       {"world-from-cam-opengl", PoseConvention::kWorldFromCamOpenGl}};
-  command->add_option("--data", options->data, "Data set folder, or a video")->required();
+  command->add_option("--data", options->data, "Data set folder, or a video")->required(required);
   command->add_option("--poses", options->poses, "Pose file: TUM or 3x4 rows");
   command->add_option("--images", options->images, "Folder of the images, where not the usual one");
   command->add_option(

@@ -7,6 +7,6 @@
 namespace livemvs::app {
 
 /// Adds --data and its companions to a command.
-void AddDatasetOptions(CLI::App* command, DatasetOptions* options);
+void AddDatasetOptions(CLI::App* command, DatasetOptions* options, bool required = true);
 
 }  // namespace livemvs::app

@@ -49,6 +49,7 @@ int Main(int argc, char** argv) {
   AddBoardCommand(app);
   AddCalibrateCommand(app);
   AddTrackCommand(app);
+  AddExportCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& e) {

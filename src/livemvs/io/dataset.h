@@ -43,6 +43,7 @@ struct DatasetView {
   std::string name;
   Camera camera;
   Rigid3d cam_from_world;
+  std::filesystem::path file{};  ///< The picture's own; empty for a frame of a video.
 };
 
 /// Pictures with poses and intrinsics, in our conventions (integer pixel centres; x right, y down,

@@ -132,6 +132,7 @@ class ImageDataset : public Dataset {
       view.index = image.number;
       view.timestamp = image.timestamp.value_or(static_cast<double>(image.number) / kNominalRate);
       view.name = image.name;
+      view.file = image.file;
       view.camera = image.camera;
       if (view.camera.width == 0) {
         view.camera = CameraForSize(view.camera, first_->width(), first_->height(), view.name);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "livemvs/core/camera.h"
+#include "livemvs/core/point.h"
 #include "livemvs/core/pose.h"
 
 namespace livemvs {
@@ -32,6 +33,29 @@ void WriteTransforms(const std::filesystem::path& file,
 void WriteColmapText(const std::filesystem::path& folder,
                      const Camera& camera,
                      const std::vector<TrackedPose>& poses);
+
+/// A picture with a pose, and with a camera that need not be that of the others.
+struct PosedImage {
+  std::string image;  ///< Path of the image file as other programs are to find it.
+  Camera camera;
+  Rigid3d cam_from_world;
+};
+
+/// Writes transforms.json as above; intrinsics stand once where all pictures share them, else in
+/// each frame.
+/// @param ply_file_path  Cloud to start from, as nerfstudio is to find it; empty: none.
+void WriteTransforms(const std::filesystem::path& file,
+                     const std::vector<PosedImage>& images,
+                     const std::string& ply_file_path);
+
+/// Writes a COLMAP text model as above, equal cameras once, with a cloud as its points: their
+/// colours, no tracks, and the reprojection error -1, COLMAP's word for unknown.
+void WriteColmapText(const std::filesystem::path& folder,
+                     const std::vector<PosedImage>& images,
+                     const PointCloud& cloud);
+
+// WriteTransforms() and WriteColmapText() throw std::invalid_argument naming the picture where its
+// camera is one that these forms cannot hold: with a negative fy.
 
 // All of them throw Error (kOutOfResource) naming the file where it cannot be written; each file
 // appears whole or not at all.

@@ -108,6 +108,59 @@ INSTANTIATE_TEST_SUITE_P(Models,
                                          CameraModel::kBrownConrady,
                                          CameraModel::kKannalaBrandt));
 
+// Pictures of two cameras in turn.
+std::vector<PosedImage> TwoCameras() {
+  std::vector<PosedImage> images;
+  const CameraModel models[] = {CameraModel::kBrownConrady, CameraModel::kKannalaBrandt};
+  for (int i = 0; i < 4; ++i) {
+    images.push_back(
+        {"a picture " + std::to_string(i) + ".png", SomeCamera(models[i % 2]), SomePose(0.7 * i)});
+  }
+  return images;
+}
+
+PointCloud SomeCloud() {
+  PointCloud cloud(2);
+  cloud[0].position = {0.1f, -2.5f, 1e-3f};
+  cloud[0].color = {1, 2, 3};
+  cloud[1].position = {1234.567f, 0, -1};
+  return cloud;
+}
+
+TEST(PoseWriterTest, ColmapModelOfSeveralCamerasComesBackWithItsPoints) {
+  const fs::path folder = Temporary("writer_colmap_cloud");
+  WriteColmapText(folder, TwoCameras(), SomeCloud());
+  const ImageSet set = ReadColmapModel(folder);
+  ASSERT_EQ(set.images.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(set.images[i].name, TwoCameras()[i].image);
+    ExpectSame(set.images[i].cam_from_world, TwoCameras()[i].cam_from_world);
+    ExpectSame(set.images[i].camera, TwoCameras()[i].camera);
+  }
+  ASSERT_EQ(set.sparse_points.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(set.sparse_points[i].cast<float>(), SomeCloud()[i].position);
+  }
+}
+
+TEST(PoseWriterTest, TransformsOfSeveralCamerasComeBack) {
+  const fs::path file = Temporary("writer_transforms_cameras.json");
+  WriteTransforms(file, TwoCameras(), "points.ply");
+  const ImageSet set = ReadTransforms(file);
+  ASSERT_EQ(set.images.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    ExpectSame(set.images[i].cam_from_world, TwoCameras()[i].cam_from_world);
+    ExpectSame(set.images[i].camera, TwoCameras()[i].camera);
+  }
+}
+
+TEST(PoseWriterTest, RefusesACameraThatIsUpsideDown) {
+  std::vector<PosedImage> images = TwoCameras();
+  images[1].camera.fy *= -1;
+  EXPECT_THROW(WriteTransforms(Temporary("bad.json"), images, ""), std::invalid_argument);
+  EXPECT_THROW(WriteColmapText(Temporary("bad_colmap"), images, {}), std::invalid_argument);
+}
+
 TEST(PoseWriterTest, SaysWhichFileCannotBeWritten) {
   const fs::path file = Temporary("no_such_folder") / "poses.txt";
   try {

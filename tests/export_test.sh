@@ -1,0 +1,129 @@
+#!/usr/bin/env bash
+# Usage: tests/export_test.sh PROGRAM SAMPLE-FOLDER
+#
+# `livemvs export` on good input and bad: exit codes, messages, files, and what COLMAP reads of it.
+
+set -u
+program=$1
+sample=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0
+failed=0
+
+# expect CODE TEXT COMMAND...: the command ends with CODE and its output holds TEXT.
+expect() {
+  local code=$1 text=$2
+  shift 2
+  "$@" >"$work/log" 2>&1 </dev/null
+  local status=$?
+  if ((status == code)) && grep -qF -- "$text" "$work/log"; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    printf 'FAILED: %s\n  exit code %d, expected %d; expected to read "%s"; was:\n' "$*" "$status" "$code" "$text"
+    sed 's/^/  /' "$work/log"
+  fi
+}
+
+# check MESSAGE COMMAND...: the command succeeds.
+check() {
+  local message=$1
+  shift
+  if "$@"; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    printf 'FAILED: %s\n' "$message"
+  fi
+}
+
+export_() { "$program" export "$@"; }
+cloud="$work/cloud.ply"
+expect 0 "points from 40 frames" "$program" run --data "$sample" --seeds 4000 --last-frame 39 -o "$cloud"
+
+# --- Good input -------------------------------------------------------------------------------------
+for ending in glb las ply; do
+  expect 0 "out.$ending" export_ "$cloud" -o "$work/out.$ending"
+  check "out.$ending is empty" test -s "$work/out.$ending"
+done
+expect 0 "out.obj" export_ "$sample/mesh.ply.gz" -o "$work/out.obj"
+check "there is no material" grep -q newmtl "$work/out.mtl"
+
+for form in colmap nerfstudio; do
+  expect 0 "40 pictures" export_ "$cloud" --data "$sample" --last-frame 39 --format "$form" --points 300 -o "$work/$form"
+  expect 0 "points from 40 frames" "$program" run --data "$work/$form" --seeds 4000 -o "$work/$form.ply"
+  expect 0 "40" "$program" info "$work/$form" --quick
+done
+check "the pictures are not all there" test "$(find "$work/colmap/images" -name '*.png' | wc -l)" -eq 40
+check "the cloud was not thinned" test "$(grep -vc '^#' "$work/colmap/sparse/0/points3D.txt")" -eq 300
+check "the cloud is not named" grep -q '"ply_file_path": "points.ply"' "$work/nerfstudio/transforms.json"
+# The same pictures and poses give the same cloud, but for the last digit of the poses.
+before=$(head -c 2000 "$cloud" | grep -a '^element vertex' | cut -d' ' -f3)
+after=$(head -c 2000 "$work/colmap.ply" | grep -a '^element vertex' | cut -d' ' -f3)
+check "$after points of the workspace, $before of its source" test $((after * 10)) -gt $((before * 9))
+
+# The folder of a scan: its own poses, or those of it with the film it was made from.
+mkdir "$work/scan"
+cp "$cloud" "$work/scan/cloud.ply"
+cat >"$work/scan/camera.yaml" <<'END'
+%YAML:1.0
+image_width: 960
+image_height: 720
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 900., 0., 479.5, 0., 900., 359.5, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 4
+   dt: d
+   data: [ 0., 0., 0., 0. ]
+END
+printf '%s 0 0 0 0 0 0 1\n' 0.0 0.0333333 0.0666667 >"$work/scan/poses.txt"
+expect 0 "scan.glb" export_ "$work/scan" -o "$work/scan.glb"
+expect 0 "3 pictures" export_ "$work/scan" --format nerfstudio --no-pictures -o "$work/scan-poses"
+# The middle of the top-left pixel is (0.5, 0.5) there.
+check "the principal point is not where nerfstudio has it" grep -q '"cx": 480.0' "$work/scan-poses/transforms.json"
+video=$(find "$sample" -name '*.mp4')
+expect 0 "3 pictures" export_ "$work/scan" --data "$video" --format colmap -o "$work/scan-film"
+check "the film's frames are not there" test -s "$work/scan-film/images/000002.png"
+
+if command -v colmap >/dev/null; then
+  export QT_QPA_PLATFORM=offscreen
+  expect 0 "Registered images: 40" colmap model_analyzer --path "$work/colmap/sparse/0"
+  expect 0 "Points: 300" colmap model_analyzer --path "$work/colmap/sparse/0"
+  mkdir "$work/binary"
+  check "COLMAP cannot convert the model" colmap model_converter --input_path "$work/colmap/sparse/0" \
+    --output_path "$work/binary" --output_type BIN
+  check "COLMAP wrote no binary model" test -s "$work/binary/images.bin"
+else
+  echo "skipped: what COLMAP reads; it is not installed"
+fi
+
+# --- Bad input --------------------------------------------------------------------------------------
+printf 'ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n' >"$work/empty.ply"
+printf 'ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\nnan 0 0\n1 inf 0\n' >"$work/nan.ply"
+mkdir "$work/full"
+touch "$work/full/something"
+expect 3 "holds no point" export_ "$work/empty.ply" -o "$work/bad.glb"
+expect 3 "with a finite position" export_ "$work/nan.ply" -o "$work/bad.glb"
+expect 3 "missing.ply" export_ "$work/missing.ply" -o "$work/bad.glb"
+expect 2 "OBJ carries meshes" export_ "$cloud" -o "$work/bad.obj"
+expect 2 "LAS carries points" export_ "$sample/mesh.ply.gz" -o "$work/bad.las"
+expect 2 "compresses meshes only" export_ "$cloud" -o "$work/bad.glb" --draco
+expect 2 "must end with" export_ "$cloud" -o "$work/bad.stl"
+expect 2 "--crs" export_ "$cloud" -o "$work/bad.glb" --crs "$cloud"
+expect 3 "no coordinate system" export_ "$cloud" -o "$work/bad.las" --crs "$work/empty.ply"
+expect 3 "is an input" export_ "$cloud" -o "$cloud"
+expect 3 "does not exist; create it" export_ "$cloud" -o "$work/no/such/bad.glb"
+expect 3 "no point has 60000 views" export_ "$cloud" -o "$work/bad.glb" --min-views 60000
+expect 3 "name the recording with --data" export_ "$cloud" --format colmap -o "$work/bad"
+expect 3 "missing" export_ "$cloud" --data "$work/missing" --format colmap -o "$work/bad"
+expect 3 "--no-pictures" export_ "$work/scan" --format colmap -o "$work/bad"
+expect 3 "not an empty folder" export_ "$cloud" --data "$sample" --format colmap -o "$work/full"
+check "a failed export left something" test -z "$(find "$work" -name 'bad*' -o -name '*.tmp-*')"
+
+printf '%d passed, %d failed\n' "$passed" "$failed"
+((failed == 0))
