@@ -35,6 +35,7 @@ struct ScanArguments {
   std::filesystem::path output;
   std::filesystem::path resume;
   bool finish = false;
+  bool no_mesh = false;
   std::string progress = "auto";
   ViewOptions view;
 };
