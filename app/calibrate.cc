@@ -1,4 +1,4 @@
-// livemvs calibrate: from a recording of a board to the camera's intrinsics.
+// livemvs calibrate: from a recording of a board, or a camera before it, to its intrinsics.
 
 #include <cstdio>
 #include <filesystem>
@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "frame_input.h"
 #include "interrupt.h"
+#include "live_calibrate.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
 #include "livemvs/io/calibration.h"
@@ -26,34 +27,33 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CalibrateArguments {
-  fs::path data, board, output;
+  LiveArguments input;
+  fs::path board, output;
   bool fisheye = false, force = false;
   CalibratorOptions options;
   std::string progress = "auto";
 };
 
-struct Seen {
-  std::int64_t frames = 0, with_board = 0;
-};
-
-// Hands the corners of all frames to the calibrator, made for the first frame's size.
-std::optional<Calibrator> Collect(const CalibrateArguments& a, Seen* seen) {
-  const auto frames = FindFrames(a.data).Open();
+// The corners of all frames of a recording, and what they tell.
+LiveCalibrationResult CalibrateFromRecording(const CalibrateArguments& a) {
+  const auto frames = FindFrames(a.input.data).Open();
   CornerSource corners(ReadBoard(a.board));
-  std::optional<Calibrator> calibrator;
+  std::optional<Calibrator> calibrator;  // made for the first frame's size
+  LiveCalibrationResult result;
   Progress progress(ParseProgressMode(a.progress));
   while (const auto frame = Interrupted() ? std::nullopt : frames->Next()) {
     if (!calibrator) {
       calibrator.emplace(frame->picture->width(), frame->picture->height(), a.options);
     }
-    ++seen->frames;
+    ++result.frames;
     const CalibrationView view = corners.Find(*frame->picture);
-    if (!view.observations.empty()) ++seen->with_board;
+    if (!view.observations.empty()) ++result.with_board;
     calibrator->Add(view);
-    progress.Show({"look for the board", seen->frames, frames->info().frame_count});
+    progress.Show({"look for the board", result.frames, frames->info().frame_count});
   }
   progress.Finish();
-  return calibrator;
+  if (calibrator) result.calibration = calibrator->Solve();
+  return result;
 }
 
 // How many corners each part of the picture saw, as a map of characters.
@@ -108,20 +108,27 @@ std::vector<std::string> Notes(const Calibration& c) {
 }
 
 void RunCalibrate(CalibrateArguments a) {
-  CheckOutputs({{a.output, "the calibration", "an OpenCV YAML file", "%YAML"}}, {a.data, a.board});
+  if (a.input.data.empty() == a.input.device.empty()) {
+    throw std::invalid_argument("give either --camera NUMBER or --data VIDEO");
+  }
+  CheckOutputs({{a.output, "the calibration", "an OpenCV YAML file", "%YAML"}},
+               {a.input.data, a.board});
   if (a.fisheye) a.options.model = CameraModel::kKannalaBrandt;
   a.options.Check();
   CatchInterrupts();
-  Seen seen;
-  const std::optional<Calibrator> calibrator = Collect(a, &seen);
-  if (seen.with_board == 0) {
-    throw BadInput(a.data.string() + ": board not seen in any of " + std::to_string(seen.frames) +
-                   " frames; is it the one that " + a.board.string() + " describes?");
+  const bool live = IsLive(a.input);
+  const LiveCalibrationResult result =
+      live ? CalibrateFromLive(a.input, ReadBoard(a.board), a.options, a.progress)
+           : CalibrateFromRecording(a);
+  if (result.with_board == 0) {
+    throw BadInput((live ? "camera" : a.input.data.string()) + ": board not seen in any of " +
+                   std::to_string(result.frames) + " frames; is it the one that " +
+                   a.board.string() + " describes?");
   }
   std::printf("the board was seen in %lld of %lld frames\n",
-              static_cast<long long>(seen.with_board),
-              static_cast<long long>(seen.frames));
-  const Calibration c = calibrator->Solve();
+              static_cast<long long>(result.with_board),
+              static_cast<long long>(result.frames));
+  const Calibration& c = result.calibration;
   if (c.corners > 0) ShowNumbers(c, a.fisheye);
   ShowCoverage(c);
   if (!c.problem.empty() && !(a.force && c.corners > 0)) {
@@ -137,8 +144,9 @@ void RunCalibrate(CalibrateArguments a) {
 void AddCalibrateCommand(CLI::App& app) {
   auto a = std::make_shared<CalibrateArguments>();
   CLI::App* command = app.add_subcommand(
-      "calibrate", "Find a camera's focal length and distortion from a recording of a board");
-  command->add_option("--data", a->data, "Video, or folder of images")->required();
+      "calibrate", "Find a camera's focal length and distortion from a board before it");
+  command->add_option("--data", a->input.data, "Video, folder of images, FIFO, or - for a pipe");
+  AddLiveOptions(command, &a->input);
   command->add_option("--board", a->board, "Description of the board")->required();
   command->add_option("-o,--output", a->output, "Calibration to write (.yaml)")->required();
   command->add_flag("--fisheye", a->fisheye, "The lens is a fisheye (Kannala-Brandt model)");
@@ -153,12 +161,13 @@ void AddCalibrateCommand(CLI::App& app) {
   command->add_flag("--force", a->force, "Write a calibration that is not good, too");
   command->add_option("--progress", a->progress, "auto, line, json or none")->capture_default_str();
   command->footer(
-      "Film the board for half a minute, slowly, with focus and zoom fixed: from straight above "
-      "and "
-      "tilted\nby 30 to 60 degrees to all sides, and so that it comes to each border of the "
-      "picture. "
-      "Sharp views\nthat differ are chosen by the program.\n\n"
+      "Film the board for half a minute, slowly, with focus and zoom fixed: from straight above\n"
+      "and tilted by 30 to 60 degrees to all sides, and so that it comes to each border of the\n"
+      "picture. Sharp views that differ are chosen by the program. With a camera it says which "
+      "are\n"
+      "still missing, and ends when the calibration is good.\n\n"
       "Examples:\n"
+      "  livemvs calibrate --camera 0 --board board.json -o camera.yaml\n"
       "  livemvs calibrate --data board.mp4 --board board.json -o camera.yaml\n"
       "  livemvs calibrate --data stills --board board.json --fisheye -o camera.yaml");
   command->callback([a] { RunCalibrate(*a); });

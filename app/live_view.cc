@@ -62,6 +62,10 @@ void AddViewOptions(CLI::App* command, ViewOptions* options, bool with_flag) {
   }
   command->add_flag(
       "--no-browser", options->no_browser, "Do not open a browser, only print the address");
+  if (with_flag) {
+    command->add_flag(
+        "--wait", options->wait, "With --view: wait at the first frame until the page says start");
+  }
   command->add_option("--listen",
                       options->listen,
                       "Address for the viewer (127.0.0.1); others are served over TLS alone");
@@ -107,7 +111,11 @@ LiveView::LiveView(const ViewOptions& options,
                 server.on_command = [this](viewer::Command command) { Obey(command); };
                 return server;
               }()),
-      page_(server_, options) {}
+      page_(server_, options) {
+  if (!options.wait) return;
+  paused_ = true;
+  feed_.SetState("waiting");
+}
 
 void LiveView::Obey(viewer::Command command) {
   switch (command) {

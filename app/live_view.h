@@ -18,6 +18,7 @@ namespace livemvs::app {
 struct ViewOptions {
   bool view = false;
   bool no_browser = false;
+  bool wait = false;  ///< At the first frame, until the page says start.
   std::string listen = "127.0.0.1";
   std::uint16_t port = 7451;
 };

@@ -11,14 +11,15 @@
 
 #include "commands.h"
 #include "interrupt.h"
-#include "live_view.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
 #include "livemvs/scan/journal_thread.h"
 #include "progress.h"
 #include "scan_arguments.h"
+#include "scan_folder.h"
 #include "scan_input.h"
 #include "scan_results.h"
+#include "scan_view.h"
 
 namespace livemvs::app {
 namespace {
@@ -29,39 +30,14 @@ double UnixTime() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// An older scan is not touched; what was cut off before its first record is none.
-void CheckFolder(const fs::path& folder) {
-  const fs::path path = folder / kJournalName;
-  std::error_code error;
-  if (!fs::exists(path, error)) return;
-  bool begun = true;
-  {
-    JournalReader journal(path);
-    begun = journal.Next().has_value() || journal.tail() == JournalReader::Tail::kCorrupt;
-  }
-  if (!begun) {
-    fs::remove(path, error);
-    return;
-  }
-  throw BadInput(folder.string() + ": holds a scan already; go on with it by --resume " +
-                 folder.string() + ", or name another folder");
-}
-
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    throw BadInput(folder.string() + ": cannot be made: " + error.message());
-  }
-}
-
 std::vector<std::uint8_t> SessionOf(const ScanArguments& args, bool resumed) {
   SessionMessage session;
   session.unix_time = UnixTime();
-  const nlohmann::json json = {{"program", "livemvs " LIVEMVS_VERSION},
-                               {"source", args.device.empty() ? args.data.string() : args.device},
-                               {"resumed", resumed},
-                               {"arguments", ToJson(args)}};
+  nlohmann::json json = {{"program", "livemvs " LIVEMVS_VERSION},
+                         {"source", args.device.empty() ? args.data.string() : args.device},
+                         {"resumed", resumed},
+                         {"arguments", ToJson(args)}};
+  if (!args.board.empty()) json["unit"] = "m";  // a board's measures are metres
   session.json = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return Encode(session);
 }
@@ -83,71 +59,10 @@ std::string NoteOf(const ScanProgress& progress) {
   return note;
 }
 
-/// A scan's folder with what is known of it.
-struct Folder {
-  fs::path path;
-  std::optional<JournalContents> before;  ///< Where the scan is resumed.
-};
-
-// Opens the folder of the scan to resume, and takes the arguments from it.
-Folder OpenFolder(ScanArguments* args) {
-  Folder folder{args->output, std::nullopt};
-  if (args->resume.empty()) return folder;
-  folder.path = args->resume;
-  const fs::path journal = folder.path / kJournalName;
-  folder.before = ReadJournal(journal);
-  const MethodArguments told = args->method;
-  FromJson(folder.before->replay.sessions().front().json, journal.string(), args);
-  args->method.threads = told.threads;
-  args->realtime = false;  // what was missed is not live any more
-  if (!args->board.empty()) args->board = folder.path / kBoardName;
-  LogInfo(folder.path.string() + ": " + std::to_string(folder.before->replay.frames().size()) +
-          " frames and " + std::to_string(folder.before->replay.Points().size()) +
-          " points are there");
-  if (folder.before->tail != JournalReader::Tail::kClean) {
-    LogInfo(journal.string() + ": its end was cut off, within the last second of the scan");
-  }
-  return folder;
-}
-
-std::unique_ptr<JournalWriter> OpenJournal(const Folder& folder) {
-  const fs::path path = folder.path / kJournalName;
-  if (!folder.before) return std::make_unique<JournalWriter>(path);
-  return std::make_unique<JournalWriter>(
-      path, folder.before->valid_bytes, folder.before->next_sequence);
-}
-
-// The viewer of a scan, if any: it gets the journal's records, those of before among them.
-std::unique_ptr<LiveView> OpenView(const ScanArguments& args,
-                                   const Folder& folder,
-                                   const ScanInput& input) {
-  if (!args.view.view) return nullptr;
-  viewer::FeedOptions feed;
-  feed.engine = input.settings.method;
-  feed.records = false;
-  auto view = std::make_unique<LiveView>(args.view, folder.path.filename().string(), feed);
-  if (folder.before) {
-    JournalReader journal(folder.path / kJournalName);
-    while (const std::optional<Record> record = journal.Next()) {
-      view->log().Append(record->type, record->payload);
-    }
-  }
-  return view;
-}
-
-void Show(const PosedFrame& frame,
-          std::span<const Point> converged,
-          const Reconstructor& reconstructor,
-          viewer::LiveCounts counts,
-          LiveView* view) {
-  counts.frames = reconstructor.statistics().frames;
-  counts.seeds = static_cast<std::int64_t>(reconstructor.live_seeds());
-  counts.points = static_cast<std::int64_t>(reconstructor.points().size());
-  view->feed().AddFrame(frame, converged, counts, &reconstructor.pool());
-  view->WaitWhilePaused(Interrupted);
-}
-
-ScanResult Film(const ScanArguments& args, const Folder& folder, ScanInput* input, LiveView* view) {
+ScanResult Film(const ScanArguments& args,
+                const ScanFolder& folder,
+                ScanInput* input,
+                ScanView* view) {
   const Replay* before = folder.before ? &folder.before->replay : nullptr;
   std::unique_ptr<JournalWriter> writer = OpenJournal(folder);
   const std::vector<std::uint8_t> session = SessionOf(args, before != nullptr);
@@ -157,30 +72,18 @@ ScanResult Film(const ScanArguments& args, const Folder& folder, ScanInput* inpu
   Scan scan(input->settings, input->source, input->poses);
   if (before != nullptr) scan.Continue(*before);
   scan.AddSink(&journal);
-  if (view != nullptr) {
-    view->log().Append(RecordType::kSession, session);
-    scan.AddSink(&view->log());
-  }
   Progress progress(ParseProgressMode(args.progress));
   Scan::Watch watch;
-  watch.stop = [view] { return Interrupted() || (view != nullptr && view->finish_asked()); };
-  viewer::LiveCounts counts;
-  counts.frames_total = input->expected;
+  watch.stop = [view] { return Interrupted() || view->finish_asked(); };
   watch.broken = [&journal] { return journal.failure(); };
   watch.progress = [&](const ScanProgress& p) {
     progress.Show({"scan", p.frames, input->expected, p.live_seeds, p.points, NoteOf(p)});
-    counts.frames_dropped = p.dropped;
+    view->ShowProgress(p);
   };
-  if (view != nullptr) {
-    watch.seen = [&](const PosedFrame& frame,
-                     std::span<const Point> converged,
-                     const Reconstructor& reconstructor) {
-      Show(frame, converged, reconstructor, counts, view);
-    };
-  }
   watch.news = [](const std::string& text, bool warning) {
     warning ? LogWarning(text) : LogInfo(text);
   };
+  view->Join(session, &scan, &watch);
   ScanResult result = scan.Run(watch);
   progress.Finish();
   if (result.end == ScanEnd::kInterrupted && !Interrupted()) result.end = ScanEnd::kFinished;
@@ -215,7 +118,7 @@ ScanSettings SettingsOf(const ScanArguments& args, const Replay& replay) {
   return settings;
 }
 
-void ReportEnd(const Folder& folder, const ScanInput& input, const ScanResult& result) {
+void ReportEnd(const ScanFolder& folder, const ScanInput& input, const ScanResult& result) {
   const CaptureStatistics& c = result.capture;
   if (result.end == ScanEnd::kSourceLost) LogWarning("the camera did not come back");
   const std::int64_t left_out = c.out_of_order + c.duplicates + c.other_size;
@@ -260,7 +163,7 @@ void RunScan(ScanArguments args) {
   ParseProgressMode(args.progress);
   const std::optional<tbb::global_control> thread_limit = LimitThreads(args.method.threads);
   CatchInterrupts();
-  const Folder folder = OpenFolder(&args);
+  const ScanFolder folder = OpenScanFolder(&args);
   const Replay* before = folder.before ? &folder.before->replay : nullptr;
   const bool ended =
       before != nullptr && before->end() && before->end()->reason == EndMessage::kFinished;
@@ -269,15 +172,15 @@ void RunScan(ScanArguments args) {
     WriteScanResults(folder.path, args, SettingsOf(args, *before), &result);
     return;
   }
-  if (before == nullptr) CheckFolder(folder.path);
+  if (before == nullptr) CheckScanFolder(folder.path);
   ScanInput input = OpenScanInput(args, before);
   if (before == nullptr) {
-    MakeFolder(folder.path);
+    MakeScanFolder(folder.path);
     if (input.board) WriteBoard(folder.path / kBoardName, *input.board);
   }
-  const std::unique_ptr<LiveView> view = OpenView(args, folder, input);
-  ScanResult result = Film(args, folder, &input, view.get());
-  if (view != nullptr) view->feed().End({});
+  ScanView view(args, folder, input);
+  ScanResult result = Film(args, folder, &input, &view);
+  view.End(result);
   RequirePoses(result, result.tracking_problem);
   try {
     WriteScanResults(folder.path, args, input.settings, &result);
@@ -285,7 +188,7 @@ void RunScan(ScanArguments args) {
     if (result.failure == nullptr) throw;
   }
   ReportEnd(folder, input, result);
-  if (view != nullptr) view->Linger(Interrupted);
+  view.Linger();
 }
 
 }  // namespace

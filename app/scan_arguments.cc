@@ -53,13 +53,7 @@ const std::map<std::string, PoseConvention>& Conventions() {
 }
 
 void AddSourceOptions(CLI::App* command, ScanArguments* args) {
-  command->add_option("--camera", args->device, "Camera: its number or path (see 'cameras')");
-  command->add_option("--mode", args->mode, "Mode of the camera, as 1280x720@30:mjpeg");
-  command
-      ->add_option("--controls",
-                   args->controls,
-                   "lock (exposure, focus and white balance stay as they are) or auto")
-      ->check(CLI::IsMember({"lock", "auto"}));
+  AddLiveOptions(command, args);
   command->add_option("--data", args->data, "Video, data set folder, FIFO, or - for a pipe");
   command->add_option("--board", args->board, "Description of the printed sheet (JSON)");
   command->add_option(
@@ -75,11 +69,6 @@ void AddSourceOptions(CLI::App* command, ScanArguments* args) {
   command->add_flag("--realtime",
                     args->realtime,
                     "Play a recording at its own pace; frames that come too late are dropped");
-  command->add_option("--pipe-format",
-                      args->pipe_format,
-                      "Of raw frames from a pipe: yuyv422, nv12, yuv420p or gray, as gray:640x480");
-  command->add_option("--patience", args->patience, "Seconds to wait for a lost camera (10)")
-      ->check(CLI::PositiveNumber);
 }
 
 }  // namespace

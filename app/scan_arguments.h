@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "live_input.h"
 #include "live_view.h"
 #include "livemvs/io/dataset.h"
 #include "method_options.h"
@@ -13,11 +14,7 @@ namespace livemvs::app {
 
 /// What 'livemvs scan' is told. What decides the result is kept in the journal, so that a scan can
 /// be resumed by its folder alone.
-struct ScanArguments {
-  std::string device;    ///< Number or path of a camera; empty: `data` is used.
-  std::string mode;      ///< Of the camera: "1280x720@30:mjpeg"; empty: chosen.
-  std::string controls;  ///< "lock" or "auto": exposure, focus and white balance.
-  std::filesystem::path data;
+struct ScanArguments : LiveArguments {
   std::filesystem::path poses;
   std::filesystem::path images;
   std::string calibration;
@@ -25,11 +22,9 @@ struct ScanArguments {
   std::int64_t first_frame = 0;
   std::int64_t last_frame = -1;
   std::int64_t step = 1;
-  std::string pipe_format;  ///< "yuyv422:640x480"; empty: found out.
   bool realtime = false;
   std::filesystem::path board;
-  double height = 0;     ///< Of the room above the board [m]; 0: chosen.
-  double patience = 10;  ///< [s]
+  double height = 0;  ///< Of the room above the board [m]; 0: chosen.
   MethodArguments method;
 
   std::filesystem::path output;

@@ -1,7 +1,6 @@
 #include "scan_input.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <stdexcept>
 #include <utility>
@@ -10,10 +9,10 @@
 #include "interrupt.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
-#include "livemvs/io/camera_source.h"
 #include "livemvs/io/pipe_source.h"
 #include "livemvs/pipeline/search_mode.h"
 #include "livemvs/tracking/board_tracker.h"
+#include "self_camera.h"
 
 namespace livemvs::app {
 namespace {
@@ -41,24 +40,6 @@ std::int64_t FirstFrame(const ScanArguments& args, const Replay* before) {
   // Every step-th frame, counted from the first.
   const std::int64_t steps = (std::max(back, args.first_frame) - args.first_frame) / args.step;
   return args.first_frame + steps * args.step;
-}
-
-PipeOptions PipeOptionsOf(const ScanArguments& args) {
-  PipeOptions options;
-  options.cancelled = Interrupted;
-  options.open_timeout = args.patience;
-  if (args.pipe_format.empty()) return options;
-  const std::size_t colon = args.pipe_format.find(':');
-  const std::size_t times = args.pipe_format.find('x', colon == std::string::npos ? 0 : colon);
-  if (colon == std::string::npos || times == std::string::npos) {
-    throw std::invalid_argument("--pipe-format " + args.pipe_format +
-                                ": must be FORMAT:WIDTHxHEIGHT, as yuyv422:640x480");
-  }
-  const char* text = args.pipe_format.data();
-  std::from_chars(text + colon + 1, text + times, options.width);
-  std::from_chars(text + times + 1, text + args.pipe_format.size(), options.height);
-  options.format = args.pipe_format.substr(0, colon);
-  return options;
 }
 
 // Intrinsics as given, else as found beside the recording, else none: the tracker finds them.
@@ -133,14 +114,9 @@ void OpenPosed(const ScanArguments& args, const Replay* before, ScanInput* input
 std::unique_ptr<LiveSource> OpenPictures(const ScanArguments& args,
                                          const Replay* before,
                                          ScanInput* input) {
-  if (!args.device.empty()) {
+  if (IsLive(args)) {
     input->live = true;
-    return OpenCamera(args.device,
-                      {.mode = ParseMode(args.mode), .lock_controls = args.controls == "lock"});
-  }
-  if (IsPipe(args.data)) {
-    input->live = true;
-    return OpenPipe(args.data, PipeOptionsOf(args));
+    return OpenLive(args);
   }
   std::unique_ptr<FrameSource> recording = FindFrames(args.data).Open();
   PlaybackOptions options;
@@ -157,7 +133,18 @@ void OpenWithBoard(const ScanArguments& args, const Replay* before, ScanInput* i
   input->owned_source = OpenPictures(args, before, input);
   input->source = input->owned_source.get();
   LogInfo(input->source->info().description);
-  input->owned_poses = MakeBoardTracker(*input->board, CalibrationOf(args, *input, before));
+  std::optional<Camera> camera = CalibrationOf(args, *input, before);
+  // A recording can be read twice; what is live calibrates while it is filmed.
+  if (!camera && !input->live && !args.realtime) {
+    camera = FindCameraInRecording({.input = FindFrames(args.data),
+                                    .board = *input->board,
+                                    .board_name = args.board.string(),
+                                    .first_frame = args.first_frame,
+                                    .last_frame = args.last_frame},
+                                   {},
+                                   args.progress);
+  }
+  input->owned_poses = MakeBoardTracker(*input->board, camera);
   input->poses = input->owned_poses.get();
   input->settings.range = RangeAbove(args, *input->board);
   input->settings.method = ResolveSearch({}, input->settings.range, MakeOptions(args.method));

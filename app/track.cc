@@ -15,7 +15,6 @@
 #include "frame_input.h"
 #include "interrupt.h"
 #include "livemvs/core/error.h"
-#include "livemvs/core/log.h"
 #include "livemvs/io/calibration.h"
 #include "livemvs/io/pose_writer.h"
 #include "livemvs/io/tum.h"
@@ -23,6 +22,7 @@
 #include "livemvs/tracking/board_tracker.h"
 #include "output_check.h"
 #include "progress.h"
+#include "self_camera.h"
 #include "track_report.h"
 
 namespace livemvs::app {
@@ -49,41 +49,6 @@ std::string ImageName(const FrameInput& input, const SourceFrame& frame) {
   char name[40];
   std::snprintf(name, sizeof name, "images/%06lld.png", static_cast<long long>(frame.index));
   return name;
-}
-
-// The first pass without a calibration: only to find it.
-Camera FindCamera(const TrackArguments& a, const Board& board, const FrameInput& input) {
-  const auto tracker = MakeBoardTracker(board, std::nullopt, a.options);
-  const auto frames = input.Open();
-  Progress progress(ParseProgressMode(a.progress));
-  std::int64_t done = 0, with_board = 0;
-  std::string problem;
-  while (const auto frame = Interrupted() ? std::nullopt : frames->Next()) {
-    const PoseEstimate e = tracker->Estimate(*frame->picture, frame->timestamp);
-    with_board += e.observations > 0 ? 1 : 0;
-    if (!e.cam_from_world) problem = e.problem;
-    progress.Show({"calibrate", ++done, frames->info().frame_count});
-  }
-  progress.Finish();
-  if (with_board == 0) {
-    throw BadInput(a.data.string() + ": board not seen in any of " + std::to_string(done) +
-                   " frames; is it the one that " + a.board.string() + " describes?");
-  }
-  const Camera camera = tracker->camera();
-  if (camera.fx <= 0) {
-    throw Error(ErrorKind::kFailed,
-                "the camera could not be calibrated from this recording (" + problem +
-                    "); give --camera, from 'livemvs calibrate'");
-  }
-  char text[160];
-  std::snprintf(text,
-                sizeof text,
-                "no calibration given: found focal length %.2f px, k1 %.4f, k2 %.4f from the board",
-                camera.fx,
-                camera.distortion[0],
-                camera.distortion[1]);
-  LogInfo(text);
-  return camera;
 }
 
 std::vector<TrackedPose> TrackAll(const TrackArguments& a,
@@ -134,7 +99,9 @@ void RunTrack(const TrackArguments& a) {
   const FrameInput input = FindFrames(a.data);
   std::optional<Camera> camera = CameraFor(a.camera, input);
   CatchInterrupts();
-  if (!camera) camera = FindCamera(a, board, input);
+  if (!camera) {
+    camera = FindCameraInRecording({input, board, a.board.string()}, a.options, a.progress);
+  }
   const auto tracker = MakeBoardTracker(board, camera, a.options);
   TrackReport report;
   const std::vector<TrackedPose> poses = TrackAll(a, input, tracker.get(), &report);

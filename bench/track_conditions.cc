@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "livemvs/io/video_source.h"
@@ -60,6 +61,8 @@ std::vector<Condition> Conditions(int frames, int width, int height, int samples
   all.back().film.shutter = 0.5;
   all.back().film.path.wobble = 3;
   all.back().film.samples = 2 * samples;
+  all.push_back({"shake", all.back().film});
+  all.back().film.path.wobble = 12;
   all.push_back({"hidden", plain});
   all.back().film.hidden = 0.3;
   all.push_back({"compression", plain, 32});
@@ -89,8 +92,10 @@ double ThreadMilliseconds() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-// Writes the film as a video, and hands its frames out again.
-std::filesystem::path Compress(const Film& film, const Condition& condition) {
+// Writes the film as a video; what is known of its frames goes to `truths`, without pictures.
+std::filesystem::path Compress(const Film& film,
+                               const Condition& condition,
+                               std::vector<FilmFrame>* truths) {
   const auto path =
       std::filesystem::temp_directory_path() / ("livemvs-track-" + condition.name + ".mp4");
   VideoWriter writer(path,
@@ -98,7 +103,12 @@ std::filesystem::path Compress(const Film& film, const Condition& condition) {
                       .height = condition.film.camera.height,
                       .crf = condition.crf,
                       .preset = "fast"});
-  for (int i = 0; i < condition.film.path.frames; ++i) writer.Write(film.Frame(i).picture.grey);
+  for (int i = 0; i < condition.film.path.frames; ++i) {
+    FilmFrame frame = film.Frame(i);
+    writer.Write(frame.picture.grey);
+    frame.picture = {};
+    truths->push_back(std::move(frame));
+  }
   writer.Finish();
   return path;
 }
@@ -107,8 +117,9 @@ void Measure(const Condition& condition) {
   const Film film(condition.film);
   std::filesystem::path video;
   std::unique_ptr<FrameSource> source;
+  std::vector<FilmFrame> truths;
   if (condition.crf >= 0) {
-    video = Compress(film, condition);
+    video = Compress(film, condition, &truths);
     source = OpenVideo(video);
   }
   const Camera& camera = condition.film.camera;
@@ -118,7 +129,7 @@ void Measure(const Condition& condition) {
   std::vector<double> times;
   double blur = 0;
   for (int i = 0; i < condition.film.path.frames; ++i) {
-    FilmFrame frame = film.Frame(i);
+    FilmFrame frame = source ? std::move(truths[i]) : film.Frame(i);
     if (source) {
       const auto read = source->Next();
       if (!read) break;

@@ -43,6 +43,8 @@ ROWS = {
     "no-age": "max_age=0",
     "no-unseen": "max_unseen=0",
     "prior-10": "prior_a=10 prior_b=10",
+    "plant-1": "plant_every=1",
+    "plant-6": "plant_every=6",
     "no-cover": "cover_radius_px=-1",
     "epsilon-1.5": "epsilon_px=1.5",
     "no-regularise": "regularise_px=0",
@@ -75,6 +77,7 @@ COLUMNS = [
     ("hazards", "points", "points", 0),
     ("hazards", "within_1mm", "1 mm %", 1),
     ("hazards", "within_5mm", "5 mm %", 1),
+    ("hazards", "false_pixels", "false pixels %", 2),
     ("hazards", "false_all", "false %", 1),
     ("hazards", "false_off_edges", "off edges %", 1),
     ("hazards", "phantoms", "phantoms %", 1),
@@ -175,6 +178,7 @@ def read_numbers(data, stats, result):
     if data == "hazards":
         labels = result["false_convergence"]["labels"]
         every = labels["textureless_or_occluded"]
+        numbers["false_pixels"] = 100 * every["false_of_pixels"]
         numbers["false_all"] = 100 * every["false_of_planted"]
         off_edges = labels["textureless_or_occluded_off_edges"]
         numbers["false_off_edges"] = 100 * off_edges["false_of_planted"]

@@ -68,9 +68,7 @@ void Feed::AddFrame(const PosedFrame& frame,
   pending.handed = UnixTime();
   pending.points.assign(converged.begin(), converged.end());
   std::optional<PendingPreview> preview;
-  const auto now = Clock::now();
-  if (std::chrono::duration<double>(now - last_marked_).count() * options_.preview_hz >= 1) {
-    last_marked_ = now;
+  if (PreviewIsDue()) {
     preview.emplace();
     preview->frame = frame;
     if (pool != nullptr) {
@@ -81,6 +79,38 @@ void Feed::AddFrame(const PosedFrame& frame,
     const std::scoped_lock lock(mutex_);
     frames_.push_back(std::move(pending));
     if (preview) preview_ = std::move(preview);
+    counts_ = counts;
+    live_changed_ = true;
+  }
+  changed_.notify_one();
+}
+
+bool Feed::PreviewIsDue() {
+  const auto now = Clock::now();
+  if (std::chrono::duration<double>(now - last_marked_).count() * options_.preview_hz < 1) {
+    return false;
+  }
+  last_marked_ = now;
+  return true;
+}
+
+void Feed::AddPicture(std::int64_t index, std::shared_ptr<const Picture> picture) {
+  if (!PreviewIsDue()) return;
+  PendingPreview preview;
+  preview.frame.index = index;
+  preview.frame.picture = std::move(picture);
+  preview.posed = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    preview_ = std::move(preview);
+    live_changed_ = true;
+  }
+  changed_.notify_one();
+}
+
+void Feed::SetCounts(const LiveCounts& counts) {
+  {
+    const std::scoped_lock lock(mutex_);
     counts_ = counts;
     live_changed_ = true;
   }
@@ -201,11 +231,11 @@ double Feed::MotionPx(const PosedFrame& frame) {
 
 void Feed::SendPreview(PendingPreview preview) {
   const PosedFrame& frame = preview.frame;
-  motion_px_ = MotionPx(frame);
+  if (preview.posed) motion_px_ = MotionPx(frame);
   sharpness_ = Sharpness(frame.picture->grey.view());
   usual_sharpness_ += (sharpness_ - usual_sharpness_) * (usual_sharpness_ > 0 ? 0.05 : 1);
   MarkPlainBlocks(frame.picture->grey.view(), options_.engine.min_patch_stddev, &preview.marks);
-  MarkPoints(recent_, frame, &preview.marks);
+  if (preview.posed) MarkPoints(recent_, frame, &preview.marks);
   const std::vector<std::uint8_t> jpeg = encoder_.Encode(*frame.picture);
   if (jpeg.empty()) return;
   std::vector<std::uint8_t> payload;
@@ -244,6 +274,7 @@ void Feed::SendLive(const LiveCounts& counts,
       {"window_px", options_.engine.search_radius_px},
       {"sharpness", usual_sharpness_ > 0 ? sharpness_ / usual_sharpness_ : 1},
       {"elapsed_s", elapsed}};
+  if (!counts.problem.empty()) json["problem"] = counts.problem;
   if (counts.frames_total > counts.frames && rate > 0) {
     json["eta_s"] = static_cast<double>(counts.frames_total - counts.frames) / rate;
   }

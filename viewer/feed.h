@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -39,6 +40,7 @@ struct LiveCounts {
   std::int64_t frames_dropped = 0;
   std::int64_t seeds = 0;
   std::int64_t points = 0;  ///< That converged, before the map merges them.
+  std::string problem;      ///< Of tracking, for people; empty: none.
 };
 
 /// Turns what a reconstruction gives into the stream: points pass an octree map, which sends each
@@ -59,6 +61,10 @@ class Feed {
                 std::span<const Point> converged,
                 const LiveCounts& counts,
                 const SeedPool* pool);
+  /// The picture of a frame that nothing is made of, because its camera is not known. Likewise.
+  void AddPicture(std::int64_t index, std::shared_ptr<const Picture> picture);
+  /// What is counted apart from frames that are handed over.
+  void SetCounts(const LiveCounts& counts);
   void AddMessage(MessageLevel level, const std::string& text);
   /// "running", "paused", "lost", "writing", …: for the page.
   void SetState(const std::string& state);
@@ -78,10 +84,12 @@ class Feed {
   };
   struct PendingPreview {
     PosedFrame frame;
+    bool posed = true;
     std::vector<SeedMark> marks;
   };
 
   void Run();
+  bool PreviewIsDue();
   void SendFrame(const Pending& frame);
   void SendPoints(std::int64_t frame, const PointCloud& group);
   void SendPreview(PendingPreview preview);

@@ -102,6 +102,7 @@ std::string GetOption(const Options& options, const std::string& name) {
 void Options::Check() const {
   Require(max_seeds >= 1 && max_seeds <= 64'000'000, "max_seeds", max_seeds, "1 ... 64000000");
   Require(levels >= 1 && levels <= 6, "levels", levels, "1 ... 6");
+  Require(plant_every >= 1 && plant_every <= 1000, "plant_every", plant_every, "1 ... 1000");
   Require(seed_spacing_px >= 1 && seed_spacing_px <= 64,
           "seed_spacing_px",
           seed_spacing_px,
@@ -168,6 +169,7 @@ void Options::Check() const {
 Options PaperOptions() {
   Options o;
   o.levels = 1;
+  o.plant_every = 1;
   o.min_patch_stddev = 0;
   o.prior_a = 10;
   o.prior_b = 10;

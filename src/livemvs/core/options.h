@@ -34,6 +34,10 @@ struct Options {
   /// Levels of the image pyramid on which seeds live: each sees half the detail of the one below,
   /// and with the same patch four times the surface. 1: none, as published.
   int levels = 3;
+  /// Seeds are planted in one of so many frames: frames of a video that follow each other offer
+  /// nearly the same pixels, and seeds of one frame are quicker to handle together. 1: in every
+  /// frame, as published.
+  int plant_every = 3;
   /// Distance between neighbouring seeds of one frame [px].
   int seed_spacing_px = 1;
   /// A pixel is given a seed only if no live seed and no point that was seen from a similar
@@ -92,7 +96,7 @@ struct Options {
 
   // --- The end of a seed, [VH11] Sec. 4.3
   // -------------------------------------------------------------
-  float eta_outlier = 0.3F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
+  float eta_outlier = 0.4F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
   float outlier_certainty = 0.9F;  ///< ... this.
   float eta_inlier = 0.62F;        ///< Converted when the mean inlier ratio exceeds this, and ...
   /// ... epsilon: the standard deviation of depth is below this fraction of Z_max - Z_min, or ...
@@ -104,9 +108,9 @@ struct Options {
   int min_views = 8;
   /// Frames that told something, or would have if the patch could be matched, after which a seed
   /// that has not converged is given up; 0: never.
-  int max_age = 60;
+  int max_age = 64;
   /// Consecutive frames out of view after which a seed is given up; 0: never.
-  int max_unseen = 15;
+  int max_unseen = 8;
 
   // --- The cloud, when all frames are in; [VH11] leaves it as it is
   // ---------------------------------
@@ -130,6 +134,7 @@ template <typename AnyOptions, typename Visit>
 void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("max_seeds", o.max_seeds);
   visit("levels", o.levels);
+  visit("plant_every", o.plant_every);
   visit("seed_spacing_px", o.seed_spacing_px);
   visit("cover_radius_px", o.cover_radius_px);
   visit("cover_angle_deg", o.cover_angle_deg);

@@ -12,6 +12,13 @@
 #define LIVEMVS_HD __attribute__((always_inline))
 #endif
 
+/// Marks what runs on the device as well, and on the host is compiled as any other function.
+#if defined(__CUDACC__)
+#define LIVEMVS_DEVICE __host__ __device__
+#else
+#define LIVEMVS_DEVICE
+#endif
+
 namespace livemvs {
 
 // Per-seed mathematics is written once, for a number type T that is float, double, or a vector with

@@ -101,6 +101,23 @@ std::uint8_t LabelAt(const SeedRecord& seed, const Image<std::uint8_t>& labels) 
   return label;
 }
 
+void CountPixels(std::span<const LabelledView> views, FalseConvergence* result) {
+  std::array<std::size_t, kAllPixelLabels + 1> of_label{};
+  for (const LabelledView& view : views) {
+    for (int y = 0; y < view.labels.height(); ++y) {
+      const std::uint8_t* row = view.labels.Row(y);
+      for (int x = 0; x < view.labels.width(); ++x) ++of_label[row[x] & kAllPixelLabels];
+    }
+  }
+  for (std::size_t label = 0; label < of_label.size(); ++label) {
+    for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
+      if (kLabelClasses[k].Holds(static_cast<std::uint8_t>(label))) {
+        result->classes[k].pixels += of_label[label];
+      }
+    }
+  }
+}
+
 void Count(const SeedRecord& seed,
            const Verdict& verdict,
            double tolerance,
@@ -132,6 +149,8 @@ void FalseConvergenceOptions::Check() const {
   }
 }
 
+double ConvergenceCounts::FalsePerPixel() const { return Ratio(falsely_converged, pixels); }
+
 double ConvergenceCounts::FalseRate() const { return Ratio(falsely_converged, planted); }
 
 double ConvergenceCounts::PhantomRate() const { return Ratio(falsely_converged - beside, planted); }
@@ -153,6 +172,7 @@ FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
   });
   FalseConvergence result;
   result.views = views.size();
+  CountPixels(views, &result);
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     const auto place = places.find(seeds[i].birth_frame);
     if (place == places.end()) {
@@ -182,21 +202,25 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
                   100 * options.tolerance);
   table += "beside            of the false ones: at the depth of another surface in the patch\n";
   table += "phantoms          the other false ones\n\n";
-  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s   error [%% of depth]\n",
+  table += Format("%-23s%10s%8s%10s%7s%7s%9s%9s%9s%10s   error [%% of depth]\n",
+                  "",
                   "",
                   "",
                   "",
                   "",
                   "",
                   "false of",
+                  "false of",
                   "phantoms",
                   "false of");
-  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%7s%7s%7s\n",
+  table += Format("%-23s%10s%8s%10s%7s%7s%9s%9s%9s%10s%7s%7s%7s\n",
+                  "label",
                   "pixels",
                   "planted",
                   "converged",
                   "false",
                   "beside",
+                  "pixels",
                   "planted",
                   "of pl.",
                   "converged",
@@ -205,12 +229,14 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
                   "99%");
   for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
     const ConvergenceCounts& c = result.classes[k];
-    table += Format("%-23s%8zu%10zu%7zu%7zu%8.2f%%%8.2f%%%9.2f%%",
+    table += Format("%-23s%10zu%8zu%10zu%7zu%7zu%8.3f%%%8.2f%%%8.2f%%%9.2f%%",
                     kLabelClasses[k].name,
+                    c.pixels,
                     c.planted,
                     c.converged,
                     c.falsely_converged,
                     c.beside,
+                    100 * c.FalsePerPixel(),
                     100 * c.FalseRate(),
                     100 * c.PhantomRate(),
                     100 * c.FalseShare());
@@ -232,10 +258,12 @@ std::string FalseConvergenceJson(const FalseConvergence& result,
   json["seeds_not_judged"] = result.not_judged;
   for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
     const ConvergenceCounts& c = result.classes[k];
-    nlohmann::ordered_json row{{"planted", c.planted},
+    nlohmann::ordered_json row{{"pixels", c.pixels},
+                               {"planted", c.planted},
                                {"converged", c.converged},
                                {"false", c.falsely_converged},
                                {"beside", c.beside},
+                               {"false_of_pixels", c.FalsePerPixel()},
                                {"false_of_planted", c.FalseRate()},
                                {"phantoms_of_planted", c.PhantomRate()},
                                {"false_of_converged", c.FalseShare()}};

@@ -35,6 +35,7 @@ struct FalseConvergenceOptions {
 
 /// What became of the seeds of some pixels.
 struct ConvergenceCounts {
+  std::size_t pixels = 0;  ///< Of all labelled views, whether or not a seed was planted there.
   std::size_t planted = 0;
   std::size_t converged = 0;
   std::size_t falsely_converged = 0;
@@ -43,7 +44,9 @@ struct ConvergenceCounts {
   std::size_t beside = 0;
   std::vector<float> errors;  ///< |depth - truth| / truth of the converged ones, sorted.
 
-  /// falsely_converged / planted; 0 where none was planted.
+  /// falsely_converged / pixels: how often such a pixel becomes a wrong point; 0 without pixels.
+  double FalsePerPixel() const;
+  /// falsely_converged / planted: how often a seed there does; 0 where none was planted.
   double FalseRate() const;
   /// (falsely_converged - beside) / planted; 0 where none was planted.
   double PhantomRate() const;

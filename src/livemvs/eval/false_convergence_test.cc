@@ -120,6 +120,18 @@ TEST_F(FalseConvergenceTest, KnownAnswers) {
   EXPECT_EQ(plain.falsely_converged, 3U);
   EXPECT_DOUBLE_EQ(plain.FalseRate(), 3.0 / 7);
   EXPECT_DOUBLE_EQ(plain.FalseShare(), 0.75);
+  // Of both views with labels, in only one of which seeds were planted.
+  std::size_t plain_pixels = 0, pixels = 0;
+  for (int y = 0; y < view_.labels.height(); ++y) {
+    for (int x = 0; x < view_.labels.width(); ++x) {
+      plain_pixels += (view_.labels(x, y) & kLabelTextureless) != 0 ? 2 : 0;
+      pixels += 2;
+    }
+  }
+  EXPECT_EQ(plain.pixels, plain_pixels);
+  EXPECT_GT(plain_pixels, 0U);
+  EXPECT_DOUBLE_EQ(plain.FalsePerPixel(), 3.0 / static_cast<double>(plain_pixels));
+  EXPECT_EQ(Of(result, "any_label").pixels + Of(result, "no_label").pixels, pixels);
   ASSERT_EQ(plain.errors.size(), 4U);
   constexpr float kRounding = 1e-5F;  // single precision, a few operations
   EXPECT_NEAR(plain.errors[0], 0.002F, kRounding);
@@ -136,6 +148,7 @@ TEST_F(FalseConvergenceTest, KnownAnswers) {
   EXPECT_EQ(Of(result, "no_label").planted, 1U);
   EXPECT_EQ(Of(result, "no_label").falsely_converged, 0U);
   EXPECT_EQ(Of(result, "specular").planted, 0U);
+  EXPECT_EQ(Of(result, "specular").FalsePerPixel(), 0);
   EXPECT_EQ(Of(result, "specular").FalseRate(), 0);
   EXPECT_EQ(Of(result, "specular").FalseShare(), 0);
 }
@@ -219,6 +232,7 @@ TEST_F(FalseConvergenceTest, TableAndJsonSayTheSame) {
   EXPECT_EQ(plain["converged"], 4);
   EXPECT_EQ(plain["false"], 3);
   EXPECT_DOUBLE_EQ(plain["false_of_planted"], 3.0 / 7);
+  EXPECT_DOUBLE_EQ(plain["false_of_pixels"], 3.0 / plain["pixels"].get<double>());
   EXPECT_DOUBLE_EQ(plain["false_of_converged"], 0.75);
   EXPECT_NEAR(plain["error_percentiles"]["50"], 0.0155, 1e-5);
   EXPECT_TRUE(json["labels"]["specular"]["error_percentiles"]["99"].is_null());

@@ -196,7 +196,10 @@ void Reconstructor::ReportLiveSeeds() {
 
 void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.spawn_seconds);
+  const bool first = statistics_.frames == 0;
+  if (!first && ++frames_unplanted_ < options_.plant_every) return;
   if (static_cast<double>(pool_.free_slots()) < kFreeShare * options_.max_seeds) return;
+  frames_unplanted_ = 0;
   statistics_.seeds_spawned +=
       spawner_.Spawn(frame, pyramid_.levels(), points_, backend_.get(), &pool_);
 }

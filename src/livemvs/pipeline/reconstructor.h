@@ -95,6 +95,7 @@ class Reconstructor {
   ReconstructionStatistics statistics_;
   SeedObserver* observer_ = nullptr;
   std::int64_t last_frame_ = 0;  // index of the latest frame
+  int frames_unplanted_ = 0;     // since seeds were last planted
 };
 
 }  // namespace livemvs

@@ -95,6 +95,7 @@ TEST(ReconstructorTest, MatchesTheReference) {
   // Without thinning and covering both plant the same seeds; the clouds must be alike.
   Options options = TestOptions();
   options.max_seeds = 20'000;
+  options.plant_every = 1;
   options.seed_spacing_px = 5;
   options.cover_radius_px = -1;
   options.epsilon_px = 2;
@@ -114,6 +115,22 @@ TEST(ReconstructorTest, MatchesTheReference) {
     return std::sqrt(sum / static_cast<double>(points.size()));
   };
   EXPECT_NEAR(rms(fast.points) / rms(slow.points()), 1, 0.1);
+}
+
+TEST(ReconstructorTest, PlantsInEveryNthFrame) {
+  Options options = TestOptions();
+  options.plant_every = 3;
+  options.max_seeds = 200'000;   // always room ...
+  options.cover_radius_px = -1;  // ... and always somewhere to plant
+  options.seed_spacing_px = 5;
+  Reconstructor reconstructor(options, NearFar());
+  std::int64_t before = 0;
+  for (int i = 0; i < 10; ++i) {
+    reconstructor.AddFrame(PlaneFrames()[i]);
+    const std::int64_t spawned = reconstructor.statistics().seeds_spawned;
+    EXPECT_EQ(spawned > before, i % 3 == 0) << "frame " << i;
+    before = spawned;
+  }
 }
 
 TEST(ReconstructorTest, TwoRunsAndAnyNumberOfThreadsGiveTheSameBytes) {

@@ -35,6 +35,7 @@ Options ResolveSearch(const std::vector<CameraPose>& cameras,
         MedianDisparityRange(cameras, range) > reach ? Search::kFull : Search::kWindow;
   }
   if (resolved.search == Search::kFull) {
+    resolved.plant_every = 1;
     resolved.prior_a = std::min(options.prior_a, 2.0F);
     resolved.prior_b = std::min(options.prior_b, 2.0F);
     resolved.min_views = std::min(options.min_views, 3);

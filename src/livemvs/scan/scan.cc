@@ -136,7 +136,10 @@ void Scan::Process(TrackedFrame tracked, const Watch& watch) {
     tracked.pose.cam_from_world.reset();
   }
   if (frame.index > last_index_before_) WriteFrame(frame, tracked.pose);
-  if (!tracked.pose.cam_from_world) return;
+  if (!tracked.pose.cam_from_world) {
+    if (watch.missed) watch.missed(frame);
+    return;
+  }
   PosedFrame posed;
   posed.index = frame.index;
   posed.timestamp = frame.timestamp;

@@ -78,6 +78,8 @@ class Scan {
     std::function<void(const std::string&, bool warning)> news;
     /// Told of each frame that the seeds saw, and the points that converged in it; quick.
     std::function<void(const PosedFrame&, std::span<const Point>, const Reconstructor&)> seen;
+    /// Told of each frame whose camera is not known, so that nothing comes of it; quick.
+    std::function<void(const SourceFrame&)> missed;
   };
   /// Runs to the end. Failures on the way end it, and are returned with what is there.
   ScanResult Run(const Watch& watch);

@@ -33,7 +33,7 @@ export class Connection {
   }
 
   open(): void {
-    this.listener.link("connecting");
+    if (!this.everOpen) this.listener.link("connecting"); // later it is cut until it is open again
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const resume = this.session ? `?session=${this.session}&from=${this.next}` : "";
     const socket = new WebSocket(`${scheme}://${location.host}/stream${resume}`);

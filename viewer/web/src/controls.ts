@@ -31,7 +31,7 @@ interface Parts {
 const LABELS: Record<Mode, string> = { rgb: "Colour", normal: "Normal", confidence: "Confidence", sigma: "Sigma", views: "Views", age: "Age" };
 const KEYS: [string, string][] = [
   ["1 … 6", "colour by: colour, normal, confidence, sigma, views, age"],
-  ["Space", "pause, go on"],
+  ["Space", "start, pause, go on"],
   ["F", "follow the camera"],
   ["R", "show all"],
   ["M", "measure between two points"],
@@ -70,6 +70,9 @@ export class Controls {
     this.setMode("rgb");
     this.addDialogs();
     this.addGestures();
+    // Panels stand above the controls, however many rows these need.
+    const dock = new ResizeObserver(([entry]) => document.documentElement.style.setProperty("--nav", `${entry.target.clientHeight}px`));
+    dock.observe(document.querySelector("nav")!);
     addEventListener("keydown", (event) => this.key(event));
     this.setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
     window.__livemvs = { count: () => this.p.stage.countPixels(), cut: () => this.p.connection.cut(), hold: () => (this.p.stage.touched = true), mode: (m: Mode) => this.setMode(m) };
@@ -104,19 +107,24 @@ export class Controls {
     const running = this.allowed && !state.ended && state.engine !== "finishing";
     el("b-pause").hidden = el("b-finish").hidden = !running;
     el<HTMLButtonElement>("b-pause").disabled = el<HTMLButtonElement>("b-finish").disabled = state.link !== "open";
-    const paused = state.engine === "paused";
-    if (el("b-pause").dataset.paused !== String(paused)) {
-      el("b-pause").dataset.paused = String(paused);
-      el("b-pause").innerHTML = icon(paused ? "play" : "pause") + `<span>${paused ? "Go on" : "Pause"}</span>`;
+    const waiting = state.engine === "waiting";
+    const paused = state.engine === "paused" || waiting;
+    const label = waiting ? "Start" : paused ? "Go on" : "Pause";
+    if (el("b-pause").textContent !== label) {
+      el("b-pause").innerHTML = icon(paused ? "play" : "pause") + `<span>${label}</span>`;
+      el("b-pause").title = `${label} (space)`;
+      el("b-pause").setAttribute("aria-label", el("b-pause").title);
     }
+    el("b-pause").classList.toggle("primary", running && waiting);
     el<HTMLButtonElement>("b-save").disabled = this.p.store.visible === 0;
     el("b-save").classList.toggle("primary", !running);
-    el("b-finish").classList.toggle("primary", running);
+    el("b-finish").classList.toggle("primary", running && !waiting);
     el("b-follow").hidden = !this.p.rig.known;
   }
 
   private pause(): void {
-    this.p.connection.ask(this.p.state.engine === "paused" ? "resume" : "pause");
+    const { engine } = this.p.state;
+    this.p.connection.ask(engine === "paused" || engine === "waiting" ? "resume" : "pause");
   }
 
   // The view: all of it until the user takes it over, or with the camera.

@@ -15,17 +15,20 @@ export interface RunState {
   ended: { reason: number; text: string } | null;
   points: number;
   source: string;
+  /** Of tracking, as the program says; empty: none. */
+  problem: string;
 }
 
 type Kind = "" | "live" | "warn" | "bad";
 
 export function describe(s: RunState): { text: string; kind: Kind } {
   if (s.link === "refused") return { text: "Not allowed", kind: "bad" };
-  if (s.link === "cut") return { text: "Disconnected", kind: "bad" };
-  if (s.link === "connecting") return { text: "Connecting", kind: "" };
   if (s.ended) {
     return s.ended.reason === 2 ? { text: "Failed", kind: "bad" } : { text: s.ended.reason === 1 ? "Stopped" : "Finished", kind: "" };
   }
+  if (s.link === "cut") return { text: "Disconnected", kind: "bad" };
+  if (s.link === "connecting") return { text: "Connecting", kind: "" };
+  if (s.engine === "waiting") return { text: "Ready", kind: "warn" };
   if (s.engine === "paused") return { text: "Paused", kind: "warn" };
   if (s.engine === "finishing") return { text: "Finishing", kind: "live" };
   if (s.tracking === 2) return { text: "Lost", kind: "bad" };
@@ -43,10 +46,22 @@ export function showState(s: RunState): void {
   const empty = el("empty");
   empty.hidden = s.points > 0;
   if (s.points > 0) return;
-  el("empty-text").textContent = s.ended ? "No points" : "Waiting for the first points";
-  el("empty-hint").textContent = s.ended
-    ? "Nothing converged. Did the camera move around the object, and is there texture on it?"
-    : "Move the camera sideways around the object: depth shows from the second view on.";
+  empty.classList.toggle("still", s.ended !== null || s.link === "refused");
+  const [head, hint] = emptyWords(s);
+  el("empty-text").textContent = head;
+  el("empty-hint").textContent = hint;
+}
+
+function emptyWords(s: RunState): [string, string] {
+  if (s.link === "refused") return ["Nothing to show", ""];
+  if (s.ended) return ["No points", "Nothing converged. Did the camera move around the object, and is there texture on it?"];
+  if (s.engine === "waiting") return ["Ready to start", "Point the camera at the object, then press Start."];
+  if (s.tracking === 0 && s.problem) return ["Looking for the camera\u2019s place", sentence(s.problem)];
+  return ["Waiting for the first points", "Move the camera sideways around the object: depth shows from the second view on."];
+}
+
+function sentence(words: string): string {
+  return words ? `${words[0].toUpperCase()}${words.slice(1).replace(/\.$/, "")}.` : "";
 }
 
 function showBanner(s: RunState): void {
@@ -55,12 +70,14 @@ function showBanner(s: RunState): void {
   let kind: Kind = "warn";
   if (s.link === "refused") {
     [head, rest, kind] = ["This address is of another run.", "Open the one that livemvs printed last.", "bad"];
+  } else if (s.ended?.reason === 2) {
+    [head, rest, kind] = ["The run failed.", `${sentence(s.ended.text)} What is here can be saved.`, "bad"];
+  } else if (s.link === "cut" && s.ended) {
+    [head, rest] = ["livemvs is closed.", "What is here can still be looked at and saved."];
   } else if (s.link === "cut") {
     [head, rest, kind] = ["Connection lost.", "Trying again; nothing is lost.", "bad"];
-  } else if (s.ended?.reason === 2) {
-    [head, rest, kind] = ["The run failed.", s.ended.text, "bad"];
   } else if (!s.ended && s.tracking === 2 && s.engine !== "paused") {
-    [head, rest, kind] = ["Tracking lost.", "Go back to where the camera was.", "bad"];
+    [head, rest, kind] = ["Tracking lost.", `${sentence(s.problem)} Go back to where the camera was.`, "bad"];
   }
   const banner = el("banner");
   banner.hidden = head === "";
@@ -79,6 +96,7 @@ export interface Live {
   sharpness: number;
   elapsed_s: number;
   eta_s?: number;
+  problem?: string;
 }
 
 export function showNumbers(live: Live | null, points: number, triangles: number, rate: number): void {

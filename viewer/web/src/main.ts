@@ -26,7 +26,7 @@ const meshes = new THREE.Group();
 stage.world.add(splats.group, meshes);
 stage.overlay.add(rig.group);
 
-const state: RunState = { link: "connecting", engine: "running", tracking: 1, ended: null, points: 0, source: "" };
+const state: RunState = { link: "connecting", engine: "running", tracking: 1, ended: null, points: 0, source: "", problem: "" };
 let unit = "";
 const NOTHING: Live = {
   frames: 0,
@@ -129,6 +129,7 @@ function take({ type, data }: P.Rec): void {
       const json = P.decodeJson(data);
       live = json as unknown as Live;
       state.engine = String(json.state ?? "running");
+      state.problem = String(json.problem ?? "");
       statistics.handed(json.handed);
       statistics.frames(live.frames);
       break;
@@ -208,6 +209,7 @@ function update(): void {
       controls.frame(known);
     }
     showState(state);
+    rig.setLost(state.tracking === 2 && !state.ended);
     showNumbers(live, store.visible, triangles, statistics.rate);
     if (live) showSpeed(live, describe(state).text === "Live");
     controls.update(live !== null);

@@ -3,6 +3,7 @@
 import * as THREE from "three";
 import type { CameraInfo, FrameInfo } from "./protocol";
 
+const LOST = "#e5484d";
 const MOST_PATH = 20000;
 
 export class Rig {
@@ -19,6 +20,8 @@ export class Rig {
   private readonly path: THREE.Line;
   private readonly steps = new Float32Array(3 * MOST_PATH);
   private stepCount = 0;
+  private color = "#5b8cff";
+  private lost = false;
 
   constructor() {
     const line = (color: string, opacity: number) =>
@@ -44,8 +47,20 @@ export class Rig {
   }
 
   setColor(color: string): void {
-    (this.frustum.material as THREE.LineBasicMaterial).color.set(color);
-    (this.path.material as THREE.LineBasicMaterial).color.set(color);
+    this.color = color;
+    this.paint();
+  }
+
+  /** Lost: where the camera was last. */
+  setLost(lost: boolean): void {
+    if (lost === this.lost) return;
+    this.lost = lost;
+    this.paint();
+  }
+
+  private paint(): void {
+    (this.frustum.material as THREE.LineBasicMaterial).color.set(this.lost ? LOST : this.color);
+    (this.path.material as THREE.LineBasicMaterial).color.set(this.color);
   }
 
   setCamera(info: CameraInfo): void {

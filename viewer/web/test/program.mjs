@@ -23,6 +23,11 @@ export async function start(program, args) {
     url,
     ended,
     output: () => output,
+    /** Ends it as a crash would. */
+    async kill() {
+      child.kill("SIGKILL");
+      await ended;
+    },
     async stop() {
       if (child.exitCode === null) child.kill("SIGINT");
       const late = setTimeout(() => child.kill("SIGKILL"), 10000);

@@ -30,6 +30,10 @@ namespace portable {
 UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
 void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
 }  // namespace portable
+namespace single {
+UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
+void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
+}  // namespace single
 
 std::vector<NamedKernel> UsableKernels() {
   std::vector<NamedKernel> kernels;
@@ -45,6 +49,7 @@ std::vector<NamedKernel> UsableKernels() {
     kernels.push_back({"AVX2", avx2::Update, avx2::Mark});
 #endif
   kernels.push_back({"portable", portable::Update, portable::Mark});
+  kernels.push_back({"single lane", single::Update, single::Mark});
   return kernels;
 }
 

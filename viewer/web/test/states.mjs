@@ -1,0 +1,221 @@
+// The states that a page comes to when something goes wrong, each by the real program: the board out
+// of sight, a run that fails, an address of an earlier run, a program that is gone, nothing to see.
+//
+//   node states.mjs LIVEMVS OUTPUT-FOLDER
+//
+// Renders what it films. Exits with 77, which CTest takes as skipped, where there is no Chromium or
+// no playwright-core. Pictures of every state, on a desk and on a phone, are left in the folder.
+
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { copyFileSync, existsSync, mkdirSync, readdirSync, rmSync, truncateSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { start } from "./program.mjs";
+
+const [program, output] = process.argv.slice(2);
+const chromiumPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
+const playwright = await import("playwright-core").catch(() => null);
+if (!chromiumPath || !playwright) {
+  console.log(`skipped: ${chromiumPath ? "no playwright-core; run npm ci in viewer/web" : "no Chromium"}`);
+  process.exit(77);
+}
+const FRAMES = 90;
+const LOST = [40, 75]; // frames without the board
+
+function livemvs(...args) {
+  const done = spawnSync(program, args, { encoding: "utf8" });
+  assert.equal(done.status, 0, `${args.join(" ")}: ${done.stderr}`);
+}
+
+// A film of the board, in which it is out of sight for a while, one in which it never is to be
+// seen, and one that breaks off in the middle of a picture.
+function render() {
+  const film = join(output, "film");
+  if (existsSync(join(film, "broken"))) return film;
+  rmSync(film, { recursive: true, force: true });
+  mkdirSync(film, { recursive: true });
+  const synth = (scene, frames, name) =>
+    livemvs("synth", "--scene", scene, "--frames", String(frames), "--arc", "70", "--size", "640x480", "--spp", "1", "--images", "--no-mesh", "--progress", "none", "--output", join(film, name));
+  synth("board", FRAMES, "board");
+  synth("table", 1, "table");
+  const other = join(film, "table", "images", "000000.png");
+  const images = join(film, "board", "images");
+  const names = readdirSync(images).sort();
+  mkdirSync(join(film, "bare"));
+  mkdirSync(join(film, "broken"));
+  for (const [i, name] of names.entries()) {
+    if (i >= LOST[0] && i < LOST[1]) copyFileSync(other, join(images, name));
+    if (i < 40) copyFileSync(other, join(film, "bare", name));
+    if (i < 30) copyFileSync(join(images, name), join(film, "broken", name));
+  }
+  return film;
+}
+
+const browser = await playwright.chromium.launch({
+  executablePath: chromiumPath,
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+});
+const PATIENCE = { timeout: 90000, polling: 50 };
+const DESK = { viewport: { width: 1100, height: 700 }, colorScheme: "dark" };
+const PHONE = { viewport: { width: 390, height: 780 }, colorScheme: "light", hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
+const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+const until = (page, condition, argument) => page.waitForFunction(condition, argument, PATIENCE);
+const status = (page, text) => until(page, (t) => window.__stats?.status === t, text);
+
+async function open(url, options = DESK) {
+  const context = await browser.newContext(options);
+  const page = await context.newPage();
+  await page.goto(url);
+  return page;
+}
+
+// One after the other: both draw with the same two cores. Nothing may lie on anything else.
+async function look(pages, name) {
+  for (const [kind, page] of Object.entries(pages)) {
+    await page.screenshot({ path: join(output, `${kind}-${name}.png`) });
+    const overlap = await page.evaluate(() => {
+      const ids = ["numbers", "camera", "coverage", "banner", "scale", "status"];
+      const boxes = [...ids.map((id) => document.getElementById(id)), document.querySelector("nav")].filter((e) => e && !e.hidden);
+      const rects = boxes.map((e) => e.getBoundingClientRect());
+      for (let i = 0; i < rects.length; ++i) {
+        for (let j = 0; j < i; ++j) {
+          const [a, b] = [rects[i], rects[j]];
+          const over = Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
+          if (over) return `${boxes[i].id || "nav"} over ${boxes[j].id || "nav"}`;
+        }
+      }
+      return "";
+    });
+    assert.equal(overlap, "", `${kind}-${name}`);
+  }
+}
+
+mkdirSync(output, { recursive: true });
+const film = render();
+const board = join(film, "board");
+const scan = (images, name, ...more) => {
+  rmSync(join(output, name), { recursive: true, force: true });
+  return ["scan", "--data", images, "--board", join(board, "board.json"), "--calibration", join(board, "intrinsics.txt"), "-o", join(output, name), "--seeds", "20000", "--progress", "none", "--view", "--no-browser", ...more];
+};
+const banner = (page) => page.textContent("#banner");
+
+const tests = [];
+const test = (name, body) => tests.push({ name, body });
+let run;
+let pages = {};
+let port;
+
+test("a scan waits to be started, shows its first picture, and starts", async () => {
+  run = await start(program, scan(join(board, "images"), "scan", "--realtime", "--wait", "--port", "0"));
+  port = new URL(run.url).port;
+  pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
+  for (const page of Object.values(pages)) await status(page, "Ready");
+  await until(pages.desk, () => window.__stats.previews > 0);
+  await pause(500);
+  await look(pages, "ready");
+  assert.equal(await pages.desk.textContent("#b-pause"), "Start");
+  await pages.desk.click("#b-pause");
+  await status(pages.desk, "Live");
+});
+
+test("without the board in sight it is lost, goes on showing the camera's picture, and comes back", async () => {
+  await status(pages.desk, "Lost");
+  await pages.desk.click("#b-pause"); // to look at it for longer than a second
+  await pause(1500);
+  await pages.desk.keyboard.press("Space");
+  const before = await pages.desk.evaluate(() => window.__stats.previews);
+  await until(pages.desk, (n) => window.__stats.status === "Lost" && window.__stats.previews > n, before);
+  await look(pages, "lost");
+  assert.match(await banner(pages.desk), /Tracking lost.*[Bb]oard not seen/);
+  await status(pages.desk, "Live");
+  assert.ok(await pages.desk.isHidden("#banner"));
+});
+
+test("it finishes; a scale in centimetres is known from the board", async () => {
+  for (const page of Object.values(pages)) await status(page, "Finished");
+  await pause(1500);
+  await look(pages, "finished");
+  assert.match(await pages.desk.textContent("#scale"), /\s(cm|mm|m)$/u);
+  assert.match(await pages.desk.textContent("#n-frame"), new RegExp(`^${FRAMES} / ${FRAMES}$`));
+});
+
+test("a program that is closed leaves what there is", async () => {
+  await run.stop();
+  for (const page of Object.values(pages)) await until(page, () => window.__stats.link === "cut");
+  await pause(1000);
+  await look(pages, "closed");
+  assert.match(await banner(pages.desk), /closed/);
+  assert.ok(await pages.desk.isEnabled("#b-save"));
+});
+
+test("an address of an earlier run does not let in, and the page says so", async () => {
+  const old = run.url;
+  run = await start(program, scan(join(film, "bare"), "bare", "--realtime", "--port", port));
+  for (const page of Object.values(pages)) await until(page, () => window.__stats.link === "refused");
+  await pause(300);
+  await look(pages, "refused");
+  assert.match(await banner(pages.desk), /another run/);
+  const stranger = await open(old);
+  await stranger.screenshot({ path: join(output, "desk-not-allowed.png") });
+  assert.match(await stranger.textContent("h1"), /Not allowed/);
+  await stranger.context().close();
+  for (const page of Object.values(pages)) await page.context().close();
+});
+
+test("a board that is never seen is told while it is looked for", async () => {
+  pages = { desk: await open(run.url, { ...DESK, colorScheme: "light" }), phone: await open(run.url, { ...PHONE, colorScheme: "dark" }) };
+  await status(pages.desk, "Searching");
+  await until(pages.desk, () => window.__stats.previews > 0);
+  await look(pages, "searching");
+  assert.match(await pages.desk.textContent("#empty-hint"), /[Bb]oard not seen/);
+  await until(pages.desk, () => window.__stats.ended !== null || window.__stats.link === "cut");
+  for (const page of Object.values(pages)) await page.context().close();
+  assert.equal(await run.ended, 3);
+});
+
+test("a disconnected page keeps the picture and says that it tries again", async () => {
+  run = await start(program, scan(join(board, "images"), "cut", "--realtime", "--port", "0"));
+  pages = { desk: await open(run.url, { ...DESK, colorScheme: "light" }), phone: await open(run.url, { ...PHONE, colorScheme: "dark" }) };
+  for (const page of Object.values(pages)) await until(page, () => window.__stats?.points > 300);
+  await run.kill();
+  for (const page of Object.values(pages)) await status(page, "Disconnected");
+  await pause(2500); // it must stay so while it tries
+  await look(pages, "disconnected");
+  assert.match(await banner(pages.desk), /Connection lost/);
+  for (const page of Object.values(pages)) await page.context().close();
+});
+
+test("a run that fails says why", async () => {
+  const last = join(film, "broken", readdirSync(join(film, "broken")).sort().at(-1));
+  run = await start(program, scan(join(film, "broken"), "failed", "--realtime", "--wait", "--port", "0"));
+  pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
+  for (const page of Object.values(pages)) await status(page, "Ready");
+  truncateSync(last, 100);
+  for (let i = 1; i < 8; ++i) writeFileSync(join(film, "broken", last.replace(/.*\//, "").replace(/\d+/, String(100 + i).padStart(6, "0"))), "no picture");
+  await pages.desk.click("#b-pause");
+  for (const page of Object.values(pages)) await until(page, () => window.__stats.ended !== null);
+  await pause(1500);
+  await look(pages, "failed");
+  console.log("  ", await banner(pages.desk), await run.ended);
+  for (const page of Object.values(pages)) await page.context().close();
+});
+
+let failed = 0;
+for (const { name, body } of tests) {
+  const begin = Date.now();
+  try {
+    await body();
+    console.log(`ok      ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
+  } catch (error) {
+    ++failed;
+    console.log(`FAILED  ${name}: ${error.stack}`);
+    for (const [kind, page] of Object.entries(pages)) {
+      console.log(JSON.stringify(await page.evaluate(() => window.__stats).catch(() => null)));
+      await page.screenshot({ path: join(output, `${kind}-at-failure.png`) }).catch(() => {});
+    }
+    break;
+  }
+}
+await run?.stop();
+await browser.close();
+process.exit(failed ? 1 : 0);
