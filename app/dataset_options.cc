@@ -5,13 +5,14 @@
 
 namespace livemvs::app {
 
-void AddDatasetOptions(CLI::App* command, DatasetOptions* options, bool required) {
+CLI::Option* AddDatasetOptions(CLI::App* command, DatasetOptions* options) {
   static const std::map<std::string, PoseConvention> kConventions = {
       {"auto", PoseConvention::kAuto},
       {"cam-from-world", PoseConvention::kCamFromWorld},
       {"world-from-cam", PoseConvention::kWorldFromCam},
       {"world-from-cam-opengl", PoseConvention::kWorldFromCamOpenGl}};
-  command->add_option("--data", options->data, "Data set folder, or a video")->required(required);
+  CLI::Option* data =
+      command->add_option("--data", options->data, "Data set folder, or a video")->required();
   command->add_option("--poses", options->poses, "Pose file: TUM or 3x4 rows");
   command->add_option("--images", options->images, "Folder of the images, where not the usual one");
   command->add_option(
@@ -24,6 +25,7 @@ void AddDatasetOptions(CLI::App* command, DatasetOptions* options, bool required
   command->add_option("--first-frame", options->first_frame, "First frame to use");
   command->add_option("--last-frame", options->last_frame, "Last frame to use");
   command->add_option("--step", options->step, "Use every n-th frame");
+  return data;
 }
 
 }  // namespace livemvs::app

@@ -6,7 +6,7 @@
 
 namespace livemvs::app {
 
-/// Adds --data and its companions to a command.
-void AddDatasetOptions(CLI::App* command, DatasetOptions* options, bool required = true);
+/// Adds --data and its companions to a command. @return --data, which is required.
+CLI::Option* AddDatasetOptions(CLI::App* command, DatasetOptions* options);
 
 }  // namespace livemvs::app

@@ -154,7 +154,7 @@ void AddExportCommand(CLI::App& app) {
   command->add_option("-o,--output", args->output, "File, or folder with --format")->required();
   command->add_option("--format", args->format, "colmap or nerfstudio: a folder")
       ->check(CLI::IsMember({"colmap", "nerfstudio"}));
-  AddDatasetOptions(command, &args->dataset, false);
+  AddDatasetOptions(command, &args->dataset)->required(false);
   command->add_flag("--no-pictures", args->no_pictures, "Leave the pictures out");
   command->add_option("--points", args->points, "At most so many points of a cloud; 0: all");
   command->add_option("--min-views", args->min_views, "Points that so many frames agreed on");

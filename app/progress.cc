@@ -47,6 +47,10 @@ void Progress::Finish() {
 void Progress::Print(const ProgressState& state) {
   last_ = Clock::now();
   pending_ = false;
+  if (state.percent) {
+    PrintPercent(state);
+    return;
+  }
   const double seconds = std::chrono::duration<double>(last_ - start_).count();
   const double rate = seconds > 0 ? static_cast<double>(state.done) / seconds : 0;
   const double eta =
@@ -76,6 +80,18 @@ void Progress::Print(const ProgressState& state) {
     if (eta >= 0) std::fprintf(stderr, ", %.0f s left", eta);
     if (!state.note.empty()) std::fprintf(stderr, " - %s", state.note.c_str());
     std::fputs("\x1b[K", stderr);
+    std::fflush(stderr);
+    open_line_ = true;
+  }
+}
+
+void Progress::PrintPercent(const ProgressState& state) {
+  if (mode_ == ProgressMode::kJson) {
+    const nlohmann::json line = {{"stage", state.stage}, {"done", state.done}, {"total", 100}};
+    std::fprintf(stderr, "%s\n", line.dump().c_str());
+  } else if (mode_ == ProgressMode::kLine) {
+    std::fprintf(
+        stderr, "\r%s: %lld %%\x1b[K", state.stage.c_str(), static_cast<long long>(state.done));
     std::fflush(stderr);
     open_line_ = true;
   }

@@ -18,7 +18,8 @@ struct ProgressState {
   std::int64_t total = 0;  ///< Frames, or 0 where unknown.
   std::int64_t seeds = 0;
   std::int64_t points = 0;
-  std::string note;  ///< What else there is to say; may be empty.
+  std::string note;      ///< What else there is to say; may be empty.
+  bool percent = false;  ///< Only `stage` and `done`, in per cent, mean something.
 };
 
 /// Shows progress on standard error, at most a few times a second.
@@ -35,6 +36,7 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
   void Print(const ProgressState& state);
+  void PrintPercent(const ProgressState& state);
 
   ProgressMode mode_;
   Clock::time_point start_ = Clock::now();

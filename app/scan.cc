@@ -207,7 +207,9 @@ void AddScanCommand(CLI::App& app) {
       "  livemvs scan --camera 0 --board board.json --view -o mug\n"
       "  livemvs scan --resume mug                  go on after an interruption\n"
       "  livemvs scan --resume mug --finish         write what was recorded before it\n\n"
-      "The folder gets cloud.ply, poses.txt, camera.yaml, statistics.json, and journal.lmv, which\n"
+      "The folder gets cloud.ply, the mesh model.ply, poses.txt, camera.yaml, statistics.json, "
+      "and\n"
+      "journal.lmv, which "
       "is written while filming: whatever happens, at most the last second is lost.\n\n"
       "Exit codes: 0 done (Ctrl-C ends filming), 1 failed, 2 usage, 3 bad input, 4 out of\n"
       "resources (the scan so far is kept), 130 a recording was interrupted (--resume goes on).");

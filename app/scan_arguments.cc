@@ -80,6 +80,7 @@ void AddScanOptions(CLI::App* command, ScanArguments* args) {
       ->check(CLI::PositiveNumber);
   command->add_option("-o,--output", args->output, "Folder to write; it must not hold a scan yet");
   command->add_option("--resume", args->resume, "Folder of a scan to go on with");
+  command->add_flag("--no-mesh", args->no_mesh, "Write the cloud alone");
   command->add_flag("--finish", args->finish, "With --resume: only write what the journal holds");
   AddMethodOptions(command, &args->method);
   command->add_option("--progress", args->progress, "auto, line, json or none");

@@ -30,6 +30,7 @@ struct ScanArguments : LiveArguments {
   std::filesystem::path output;
   std::filesystem::path resume;
   bool finish = false;
+  bool no_mesh = false;
   std::string progress = "auto";
   ViewOptions view;
 };

@@ -6,9 +6,12 @@
 #include <string>
 
 #include "cloud_output.h"
+#include "livemvs/core/log.h"
 #include "livemvs/io/calibration.h"
+#include "livemvs/io/ply.h"
 #include "livemvs/io/tum.h"
 #include "livemvs/map/finish_cloud.h"
+#include "mesh_output.h"
 
 namespace livemvs::app {
 namespace {
@@ -71,6 +74,29 @@ std::vector<StampedPose> PosesOf(const std::vector<FrameMessage>& frames) {
 
 void Print(const fs::path& path) { std::printf("%s\n", fs::absolute(path).c_str()); }
 
+/// Writes model.ply. The cloud is safe already: where there is no mesh, a warning says why.
+void WriteModel(const fs::path& folder, const ScanResult& result, nlohmann::json* statistics) {
+  if (result.points.empty()) return;
+  const fs::path path = folder / "model.ply";
+  MeshCameras cameras;
+  for (const FrameMessage& frame : result.frames) {
+    if (frame.cam_from_world && result.camera) {
+      cameras[frame.index] = {*result.camera, *frame.cam_from_world};
+    }
+  }
+  try {
+    const MeshOptions options;
+    const BuiltMesh built = BuildMesh(result.points, cameras, options, {});
+    WarnOfMesh(built.statistics, options);
+    WritePly(path, built.mesh);
+    (*statistics)["mesh"] = MeshJson(built);
+    PrintMesh(built, path);
+  } catch (const std::exception& e) {
+    LogWarning("no mesh was made: " + std::string(e.what()));
+    (*statistics)["mesh"] = {{"failure", e.what()}};
+  }
+}
+
 }  // namespace
 
 void WriteScanResults(const fs::path& folder,
@@ -107,6 +133,7 @@ void WriteScanResults(const fs::path& folder,
     WriteOpenCvYaml(folder / "camera.yaml", *result->camera);
     Print(folder / "camera.yaml");
   });
+  if (!args.no_mesh && !failure) WriteModel(folder, *result, &statistics);
   attempt([&] { WriteStatistics(folder / "statistics.json", statistics); });
   if (failure) std::rethrow_exception(failure);
 }

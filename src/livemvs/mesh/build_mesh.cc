@@ -1,14 +1,17 @@
 #include "livemvs/mesh/build_mesh.h"
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <vector>
 
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
+#include "livemvs/mesh/color_mesh.h"
 #include "livemvs/mesh/fair.h"
 #include "livemvs/mesh/marching.h"
 #include "livemvs/mesh/mesh_topology.h"
+#include "livemvs/mesh/simplify.h"
 #include "livemvs/mesh/surface_field.h"
 #include "livemvs/mesh/volume_cut.h"
 
@@ -49,6 +52,23 @@ void Fair(const SightLines& sights,
   FairMesh(free, options.fairing_rounds, watch, &result->mesh);
 }
 
+/// Decimation, a last check, and the colours of the points.
+void Finish(const SightLines& sights,
+            const MeshOptions& options,
+            const MeshWatch& watch,
+            BuiltMesh* result) {
+  if (options.faces > 0) {
+    watch.Show("simplify", 0);
+    result->statistics.simplified = SimplifyMesh(options.faces, watch, &result->mesh);
+  }
+  watch.Show("check", 0);
+  CheckResult(result);
+  const auto colored = [](const Rgb& c) { return c != Rgb{0, 0, 0}; };
+  if (std::ranges::any_of(sights.colors, colored)) {
+    result->mesh.colors = ColorsOfPoints(result->mesh, sights);
+  }
+}
+
 }  // namespace
 
 BuiltMesh BuildMesh(const PointCloud& cloud,
@@ -77,8 +97,9 @@ BuiltMesh BuildMesh(const PointCloud& cloud,
   }
   Fair(sights, options, watch, &result);
   result.statistics.seconds_surface = SecondsSince(start) - result.statistics.seconds_cut;
-  watch.Show("check", 0);
-  CheckResult(&result);
+  Finish(sights, options, watch, &result);
+  result.statistics.seconds_finish =
+      SecondsSince(start) - result.statistics.seconds_cut - result.statistics.seconds_surface;
   return result;
 }
 

@@ -21,7 +21,8 @@ struct MeshStatistics {
   std::size_t bad_edges = 0;      ///< Edges that are not of a manifold, at the end.
   std::size_t pinched = 0;        ///< Likewise vertices.
   std::size_t border_edges = 0;   ///< Edges with one face: the rims of what is open.
-  double seconds_cut = 0, seconds_surface = 0, seconds_simplify = 0;
+  bool simplified = true;         ///< As few faces as asked for were reached.
+  double seconds_cut = 0, seconds_surface = 0, seconds_finish = 0;
 };
 
 struct BuiltMesh {
@@ -29,8 +30,8 @@ struct BuiltMesh {
   MeshStatistics statistics;
 };
 
-/// The surface of a cloud: minimum cut, field, triangles, trimming, decimation (docs/meshing.md).
-/// Deterministic; multi-threaded.
+/// The surface of a cloud: minimum cut, field, triangles, trimming, fairing, decimation, with the
+/// colours of the points where they have any (docs/meshing.md). Deterministic; multi-threaded.
 /// @throws Error (kBadInput) where the cloud has no surface, (kOutOfResource) where the grid does
 /// not fit the memory; std::invalid_argument naming an option; MeshInterrupted.
 BuiltMesh BuildMesh(const PointCloud& cloud,

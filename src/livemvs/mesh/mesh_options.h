@@ -29,9 +29,9 @@ struct MeshOptions {
   double smoothing = 30;      ///< Weight of smoothness against the points; 0: as they say.
   double held = 2;            ///< Surface this close to a point is held by it. [voxel]
   double least_facing =
-      0.35;                 ///< Other surface must be seen at this cosine to its normal, at least.
-  int fairing_rounds = 40;  ///< That draw surface taut which no point holds.
-  double support = 6;       ///< Surface farther from every point is open. [voxel]
+      0.35;                  ///< Other surface must be seen at this cosine to its normal, at least.
+  int fairing_rounds = 100;  ///< That draw surface taut which no point holds.
+  double support = 8;        ///< Surface farther from every point is open. [voxel]
   double least_component = 0.002;  ///< Smaller parts are specks: share of the largest's area.
   std::size_t faces = 0;           ///< Most faces after decimation; 0: as they come.
 

@@ -101,6 +101,7 @@ MeshTopology::MeshTopology(const TriangleMesh& mesh) {
       neighbor(edges[i + 1]) = edges[i].face;
     } else {
       ++bad_edges_;
+      for (std::size_t k = i; k < end; ++k) bad_faces_.push_back(edges[k].face);
     }
     i = end;
   }

@@ -22,6 +22,8 @@ class MeshTopology {
   }
   /// Edges with three faces and more, or two that do not face the same side.
   std::size_t bad_edges() const { return bad_edges_; }
+  /// The faces at such edges.
+  const std::vector<std::int32_t>& bad_faces() const { return bad_faces_; }
   /// Edges with one face.
   std::size_t border_edges() const { return border_edges_; }
   /// The part of the surface that each face belongs to, by common edges; parts are numbered from 0.
@@ -30,6 +32,7 @@ class MeshTopology {
  private:
   std::vector<std::array<std::int32_t, 3>> neighbors_;
   std::size_t bad_edges_ = 0;
+  std::vector<std::int32_t> bad_faces_;
   std::size_t border_edges_ = 0;
 };
 

@@ -1,0 +1,110 @@
+#include "livemvs/mesh/simplify.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "livemvs/mesh/mesh_topology.h"
+
+namespace livemvs {
+namespace {
+
+using Faces = std::vector<Eigen::Vector3i>;
+
+/// Faces in at most `target`, if there are more; `lock` leaves the vertices on the rims in place.
+Faces Collapse(const std::vector<Eigen::Vector3f>& vertices,
+               const Faces& faces,
+               std::size_t target,
+               bool lock) {
+  if (faces.size() <= target) return faces;
+  std::vector<unsigned> indices, left;
+  indices.reserve(3 * faces.size());
+  for (const Eigen::Vector3i& f : faces) {
+    for (int k = 0; k < 3; ++k) indices.push_back(static_cast<unsigned>(f[k]));
+  }
+  left.resize(indices.size());
+  constexpr float kAnyError = 1;
+  left.resize(meshopt_simplify(left.data(),
+                               indices.data(),
+                               indices.size(),
+                               vertices.data()->data(),
+                               vertices.size(),
+                               sizeof(Eigen::Vector3f),
+                               3 * target,
+                               kAnyError,
+                               lock ? static_cast<unsigned>(meshopt_SimplifyLockBorder) : 0U,
+                               nullptr));
+  Faces result;
+  for (std::size_t i = 0; i + 2 < left.size(); i += 3) {
+    const Eigen::Vector3i f(
+        static_cast<int>(left[i]), static_cast<int>(left[i + 1]), static_cast<int>(left[i + 2]));
+    if (f[0] != f[1] && f[1] != f[2] && f[2] != f[0]) result.push_back(f);
+  }
+  return result;
+}
+
+/// Vertices at which the mesh is no manifold or intersects itself, marked.
+std::vector<char> Faults(const TriangleMesh& mesh) {
+  std::vector<char> faults(mesh.vertices.size(), 0);
+  const MeshTopology topology(mesh);
+  const auto mark_face = [&](std::int32_t face) {
+    const Eigen::Vector3i& f = mesh.faces[static_cast<std::size_t>(face)];
+    for (int k = 0; k < 3; ++k) faults[static_cast<std::size_t>(f[k])] = 1;
+  };
+  for (const auto& [a, b] : IntersectingFaces(mesh)) {
+    mark_face(a);
+    mark_face(b);
+  }
+  for (const std::int32_t v : PinchedVertices(mesh, topology))
+    faults[static_cast<std::size_t>(v)] = 1;
+  for (const std::int32_t face : topology.bad_faces()) mark_face(face);
+  return faults;
+}
+
+/// Marks the faces at marked vertices, and their vertices, a number of times over.
+void Spread(const Faces& faces, int rings, std::vector<char>* vertices, std::vector<char>* marks) {
+  for (int ring = 0; ring < rings; ++ring) {
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      for (int k = 0; k < 3; ++k) {
+        if ((*vertices)[static_cast<std::size_t>(faces[i][k])] != 0) (*marks)[i] = 1;
+      }
+    }
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      for (int k = 0; k < 3 && (*marks)[i] != 0; ++k) {
+        (*vertices)[static_cast<std::size_t>(faces[i][k])] = 1;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+bool SimplifyMesh(std::size_t faces, const MeshWatch& watch, TriangleMesh* mesh) {
+  if (mesh->faces.size() <= faces) return true;
+  const Faces original = mesh->faces;
+  std::vector<char> keep(original.size(), 0);  // these stay as they are
+  constexpr int kMostTries = 12;
+  for (int attempt = 0; attempt < kMostTries; ++attempt) {
+    watch.Check();
+    Faces kept, rest;
+    for (std::size_t i = 0; i < original.size(); ++i) {
+      (keep[i] != 0 ? kept : rest).push_back(original[i]);
+    }
+    const std::size_t target = faces > kept.size() ? faces - kept.size() : 0;
+    mesh->faces = Collapse(mesh->vertices, rest, std::max<std::size_t>(target, 4), !kept.empty());
+    mesh->faces.insert(mesh->faces.end(), kept.begin(), kept.end());
+    std::vector<char> faults = Faults(*mesh);
+    if (std::ranges::count(faults, 0) == std::ssize(faults)) {
+      RemoveFaces(std::vector<char>(mesh->faces.size(), 0), mesh);
+      return mesh->faces.size() <= faces;
+    }
+    Spread(original, 2 + attempt, &faults, &keep);
+  }
+  mesh->faces = original;
+  return false;
+}
+
+}  // namespace livemvs
