@@ -142,7 +142,7 @@ export function showScale(unitsPerPixel: number, unit: string, shown: boolean): 
   box.hidden = !shown || !Number.isFinite(unitsPerPixel) || unitsPerPixel <= 0;
   if (box.hidden) return;
   const value = roundDown(130 * unitsPerPixel);
-  box.querySelector("span")!.textContent = length(value, unit);
+  box.querySelector("span")!.textContent = length(value, unit).replace(/\.0+(?!\d)/, ""); // it is a round one
   (box.querySelector("i") as HTMLElement).style.width = `${value / unitsPerPixel}px`;
 }
 

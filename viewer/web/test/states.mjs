@@ -20,7 +20,7 @@ if (!chromiumPath || !playwright) {
   process.exit(77);
 }
 const SEEN = 40; // frames of the board, then
-const LOST = 400; // without it, then
+const LOST = 150; // without it, then
 const AGAIN = 15; // of it
 const FRAMES = SEEN + LOST + AGAIN;
 
@@ -39,19 +39,19 @@ function render() {
   const synth = (scene, frames, name) =>
     livemvs("synth", "--scene", scene, "--frames", String(frames), "--arc", "70", "--size", "640x480", "--spp", "1", "--images", "--no-mesh", "--progress", "none", "--output", join(film, name));
   synth("board", SEEN + AGAIN, "board");
-  synth("table", 1, "table");
-  const other = join(film, "table", "images", "000000.png");
+  synth("table", 8, "table"); // a picture that only repeats the one before is left out
   const images = join(film, "board", "images");
   const names = readdirSync(images).sort();
   mkdirSync(join(film, "bare"));
   mkdirSync(join(film, "broken"));
   const nameOf = (i) => `${String(i).padStart(6, "0")}.png`;
+  const other = (i) => join(film, "table", "images", nameOf(i % 8));
   for (const [i, name] of names.entries()) {
     if (i < 30) copyFileSync(join(images, name), join(film, "broken", name));
     if (i >= SEEN) renameSync(join(images, name), join(images, nameOf(i + LOST)));
   }
-  for (let i = SEEN; i < SEEN + LOST; ++i) linkSync(other, join(images, nameOf(i)));
-  for (let i = 0; i < LOST; ++i) linkSync(other, join(film, "bare", nameOf(i)));
+  for (let i = SEEN; i < SEEN + LOST; ++i) linkSync(other(i), join(images, nameOf(i)));
+  for (let i = 0; i < LOST; ++i) linkSync(other(i), join(film, "bare", nameOf(i)));
   return film;
 }
 
@@ -125,8 +125,11 @@ test("without the board in sight it is lost, goes on showing the camera's pictur
   await status(pages.desk, "Lost");
   const before = await pages.desk.evaluate(() => window.__stats.previews);
   await until(pages.desk, (n) => window.__stats.status === "Lost" && window.__stats.previews > n, before);
+  run.hold(); // pictures take longer than it stays so
+  await pause(500);
   await look(pages, "lost");
   assert.match(await banner(pages.desk), /Tracking lost.*[Bb]oard not seen/);
+  run.release();
   await status(pages.desk, "Live");
   assert.ok(await pages.desk.isHidden("#banner"));
 });
@@ -166,8 +169,11 @@ test("a board that is never seen is told while it is looked for", async () => {
   pages = { desk: await open(run.url, { ...DESK, colorScheme: "light" }), phone: await open(run.url, { ...PHONE, colorScheme: "dark" }) };
   await status(pages.desk, "Searching");
   await until(pages.desk, () => window.__stats.previews > 0);
+  run.hold();
+  await pause(500);
   await look(pages, "searching");
   assert.match(await pages.desk.textContent("#empty-hint"), /[Bb]oard not seen/);
+  run.release();
   await until(pages.desk, () => window.__stats.ended !== null || window.__stats.link === "cut");
   for (const page of Object.values(pages)) await page.context().close();
   assert.equal(await run.ended, 3);
