@@ -130,7 +130,7 @@ test("without the board in sight it is lost, goes on showing the camera's pictur
   await look(pages, "lost");
   assert.match(await banner(pages.desk), /Tracking lost.*[Bb]oard not seen/);
   run.release();
-  await status(pages.desk, "Live");
+  await until(pages.desk, () => window.__stats.status === "Live" || window.__stats.status === "Finished");
   assert.ok(await pages.desk.isHidden("#banner"));
 });
 
