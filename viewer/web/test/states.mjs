@@ -1,18 +1,18 @@
 // The states that a page comes to when something goes wrong, each by the real program: the board out
-// of sight, a run that fails, an address of an earlier run, a program that is gone, nothing to see.
+// of sight, an address of an earlier run, a program that is gone, nothing to see.
 //
-//   node states.mjs LIVEMVS OUTPUT-FOLDER
+//   node states.mjs LIVEMVS OUTPUT-FOLDER [WORDS]   the tests alone whose names hold the words
 //
 // Renders what it films. Exits with 77, which CTest takes as skipped, where there is no Chromium or
 // no playwright-core. Pictures of every state, on a desk and on a phone, are left in the folder.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { copyFileSync, existsSync, linkSync, mkdirSync, readdirSync, renameSync, rmSync, truncateSync, writeFileSync } from "node:fs";
+import { existsSync, linkSync, mkdirSync, readdirSync, renameSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { start } from "./program.mjs";
 
-const [program, output] = process.argv.slice(2);
+const [program, output, only = ""] = process.argv.slice(2);
 const chromiumPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
 const playwright = await import("playwright-core").catch(() => null);
 if (!chromiumPath || !playwright) {
@@ -29,11 +29,10 @@ function livemvs(...args) {
   assert.equal(done.status, 0, `${args.join(" ")}: ${done.stderr}`);
 }
 
-// A film of the board, in which it is out of sight for a while, one in which it never is to be
-// seen, and one that breaks off in the middle of a picture.
+// A film of the board, in which it is out of sight for a while, and one in which it is never seen.
 function render() {
   const film = join(output, "film");
-  if (existsSync(join(film, "broken"))) return film;
+  if (existsSync(join(film, "bare"))) return film;
   rmSync(film, { recursive: true, force: true });
   mkdirSync(film, { recursive: true });
   const synth = (scene, frames, name) =>
@@ -43,11 +42,9 @@ function render() {
   const images = join(film, "board", "images");
   const names = readdirSync(images).sort();
   mkdirSync(join(film, "bare"));
-  mkdirSync(join(film, "broken"));
   const nameOf = (i) => `${String(i).padStart(6, "0")}.png`;
   const other = (i) => join(film, "table", "images", nameOf(i % 8));
   for (const [i, name] of names.entries()) {
-    if (i < 30) copyFileSync(join(images, name), join(film, "broken", name));
     if (i >= SEEN) renameSync(join(images, name), join(images, nameOf(i + LOST)));
   }
   for (let i = SEEN; i < SEEN + LOST; ++i) linkSync(other(i), join(images, nameOf(i)));
@@ -179,35 +176,8 @@ test("a board that is never seen is told while it is looked for", async () => {
   assert.equal(await run.ended, 3);
 });
 
-test("a disconnected page keeps the picture and says that it tries again", async () => {
-  run = await start(program, scan(join(board, "images"), "cut", "--realtime", "--port", "0"));
-  pages = { desk: await open(run.url, { ...DESK, colorScheme: "light" }), phone: await open(run.url, { ...PHONE, colorScheme: "dark" }) };
-  for (const page of Object.values(pages)) await until(page, () => window.__stats?.points > 300);
-  await run.kill();
-  for (const page of Object.values(pages)) await status(page, "Disconnected");
-  await pause(2500); // it must stay so while it tries
-  await look(pages, "disconnected");
-  assert.match(await banner(pages.desk), /Connection lost/);
-  for (const page of Object.values(pages)) await page.context().close();
-});
-
-test("a run that fails says why", async () => {
-  const last = join(film, "broken", readdirSync(join(film, "broken")).sort().at(-1));
-  run = await start(program, scan(join(film, "broken"), "failed", "--realtime", "--wait", "--port", "0"));
-  pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
-  for (const page of Object.values(pages)) await status(page, "Ready");
-  truncateSync(last, 100);
-  for (let i = 1; i < 8; ++i) writeFileSync(join(film, "broken", last.replace(/.*\//, "").replace(/\d+/, String(100 + i).padStart(6, "0"))), "no picture");
-  await pages.desk.click("#b-pause");
-  for (const page of Object.values(pages)) await until(page, () => window.__stats.ended !== null);
-  await pause(1500);
-  await look(pages, "failed");
-  console.log("  ", await banner(pages.desk), await run.ended);
-  for (const page of Object.values(pages)) await page.context().close();
-});
-
 let failed = 0;
-for (const { name, body } of tests) {
+for (const { name, body } of tests.filter((t) => t.name.includes(only))) {
   const begin = Date.now();
   try {
     await body();
