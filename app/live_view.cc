@@ -63,8 +63,7 @@ void AddViewOptions(CLI::App* command, ViewOptions* options, bool with_flag) {
   command->add_flag(
       "--no-browser", options->no_browser, "Do not open a browser, only print the address");
   if (with_flag) {
-    command->add_flag(
-        "--wait", options->wait, "With --view: wait at the first frame until the page says start");
+    command->add_flag("--wait", options->wait, "With --view: wait until the page says start");
   }
   command->add_option("--listen",
                       options->listen,

@@ -35,7 +35,9 @@ bool RunView::Show(const PosedFrame& frame,
   counts.seeds = static_cast<std::int64_t>(reconstructor.live_seeds());
   counts.points = static_cast<std::int64_t>(reconstructor.points().size());
   view_->feed().AddFrame(frame, converged, counts, &reconstructor.pool());
+  const auto reached = Clock::now();
   view_->WaitWhilePaused(Interrupted);
+  start_ += Clock::now() - reached;  // the recording stood still, too
   return !view_->finish_asked();
 }
 

@@ -15,6 +15,7 @@ constexpr auto kLastWords = std::chrono::milliseconds(300);
 ScanView::ScanView(const ScanArguments& args, const ScanFolder& folder, const ScanInput& input) {
   if (!args.view.view) return;
   counts_.frames_total = input.expected;
+  live_ = input.live;
   viewer::FeedOptions feed;
   feed.engine = input.settings.method;
   feed.records = false;
@@ -39,6 +40,9 @@ void ScanView::Join(const std::vector<std::uint8_t>& session, Scan* scan, Scan::
     view_->feed().AddPicture(frame.index, frame.picture);
     view_->WaitWhilePaused(Interrupted);
   };
+  // A camera waits at its first picture, which shows where it looks; a recording before it, so that
+  // none of it is missed.
+  if (!live_) view_->WaitWhilePaused(Interrupted);
 }
 
 void ScanView::ShowFrame(const PosedFrame& frame,

@@ -19,7 +19,8 @@ class ScanView {
  public:
   ScanView(const ScanArguments& args, const ScanFolder& folder, const ScanInput& input);
 
-  /// Joins a scan that is about to begin, and what it is watched by.
+  /// Joins a scan that is about to begin, and what it is watched by. Waits for the page to say
+  /// start where that was asked for.
   /// @param session  The journal's first record.
   void Join(const std::vector<std::uint8_t>& session, Scan* scan, Scan::Watch* watch);
   void ShowProgress(const ScanProgress& progress);
@@ -37,6 +38,7 @@ class ScanView {
 
   std::unique_ptr<LiveView> view_;
   viewer::LiveCounts counts_;
+  bool live_ = false;
 };
 
 }  // namespace livemvs::app

@@ -275,7 +275,7 @@ void Feed::SendLive(const LiveCounts& counts,
       {"sharpness", usual_sharpness_ > 0 ? sharpness_ / usual_sharpness_ : 1},
       {"elapsed_s", elapsed}};
   if (!counts.problem.empty()) json["problem"] = counts.problem;
-  if (counts.frames_total > counts.frames && rate > 0) {
+  if (state == "running" && counts.frames_total > counts.frames && rate > 0) {
     json["eta_s"] = static_cast<double>(counts.frames_total - counts.frames) / rate;
   }
   // When the engine gave the latest frames, so that the page can tell how old they are.

@@ -43,6 +43,13 @@ struct LiveCounts {
   std::string problem;      ///< Of tracking, for people; empty: none.
 };
 
+/// A picture that waits to be encoded. Private to the feed.
+struct PendingPreview {
+  PosedFrame frame;
+  bool posed = true;
+  std::vector<SeedMark> marks;
+};
+
 /// Turns what a reconstruction gives into the stream: points pass an octree map, which sends each
 /// piece of surface once, and again when it is known better. The engine only hands over; the work
 /// is done on a thread of the feed's own. Points are never lost; pictures are, when it is busy.
@@ -81,11 +88,6 @@ class Feed {
     Camera camera;
     PointCloud points;
     double handed = 0;  // when [s since 1970]
-  };
-  struct PendingPreview {
-    PosedFrame frame;
-    bool posed = true;
-    std::vector<SeedMark> marks;
   };
 
   void Run();

@@ -55,7 +55,7 @@ export function showState(s: RunState): void {
 function emptyWords(s: RunState): [string, string] {
   if (s.link === "refused") return ["Nothing to show", ""];
   if (s.ended) return ["No points", "Nothing converged. Did the camera move around the object, and is there texture on it?"];
-  if (s.engine === "waiting") return ["Ready to start", "Point the camera at the object, then press Start."];
+  if (s.engine === "waiting") return ["Ready to start", "Press Start, then move the camera sideways around the object."];
   if (s.tracking === 0 && s.problem) return ["Looking for the camera\u2019s place", sentence(s.problem)];
   return ["Waiting for the first points", "Move the camera sideways around the object: depth shows from the second view on."];
 }
@@ -99,7 +99,7 @@ export interface Live {
   problem?: string;
 }
 
-export function showNumbers(live: Live | null, points: number, triangles: number, rate: number): void {
+export function showNumbers(live: Live | null, points: number, triangles: number, rate: number, ended: boolean): void {
   const mesh = points === 0 && triangles > 0;
   el("n-what").textContent = mesh ? "triangles" : "points";
   if (mesh) points = triangles;
@@ -112,8 +112,9 @@ export function showNumbers(live: Live | null, points: number, triangles: number
   el("n-frame").textContent = live.frames_total > 0 ? `${count(live.frames)} / ${count(live.frames_total)}` : count(live.frames);
   el("row-dropped").hidden = live.frames_dropped === 0;
   el("n-dropped").textContent = count(live.frames_dropped);
-  el("l-time").textContent = live.eta_s === undefined ? "Time" : "Left";
-  el("n-time").textContent = duration(live.eta_s ?? live.elapsed_s);
+  const left = ended ? undefined : live.eta_s;
+  el("l-time").textContent = left === undefined ? "Time" : "Left";
+  el("n-time").textContent = duration(left ?? live.elapsed_s);
   el("progress").hidden = live.frames_total === 0;
   const share = live.frames_total > 0 ? live.frames / live.frames_total : 0;
   (el("progress").firstElementChild as HTMLElement).style.width = `${100 * share}%`;
@@ -141,7 +142,7 @@ export function showScale(unitsPerPixel: number, unit: string, shown: boolean): 
   box.hidden = !shown || !Number.isFinite(unitsPerPixel) || unitsPerPixel <= 0;
   if (box.hidden) return;
   const value = roundDown(130 * unitsPerPixel);
-  box.querySelector("span")!.textContent = length(value, unit);
+  box.querySelector("span")!.textContent = length(value, unit).replace(/\.0+(?!\d)/, ""); // it is a round one
   (box.querySelector("i") as HTMLElement).style.width = `${value / unitsPerPixel}px`;
 }
 

@@ -210,7 +210,7 @@ function update(): void {
     }
     showState(state);
     rig.setLost(state.tracking === 2 && !state.ended);
-    showNumbers(live, store.visible, triangles, statistics.rate);
+    showNumbers(live, store.visible, triangles, statistics.rate, state.ended !== null);
     if (live) showSpeed(live, describe(state).text === "Live");
     controls.update(live !== null);
     stage.invalidate();

@@ -4,7 +4,8 @@
 //   node latency.mjs LIVEMVS RUNS [livemvs run arguments but -o]
 //
 // Prints the frames/s of each run, and the age of points on arrival: from the engine's handing them
-// over to the client's reading them.
+// over to the client's reading them. With STALLED=1 in the environment, a second client is connected
+// that stops reading.
 
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync } from "node:fs";
@@ -25,6 +26,8 @@ async function watched() {
   let previews = 0;
   let done;
   const end = new Promise((resolve) => (done = resolve));
+  const stalled = process.env.STALLED ? await upgrade(run.url) : null;
+  stalled?.socket.pause(); // it takes nothing any more
   readRecords(await upgrade(run.url), (type, sequence, payload) => {
     const now = Date.now() / 1000;
     bytes += payload.length;
@@ -40,6 +43,7 @@ async function watched() {
   });
   await end;
   while (!run.output().includes("stays open")) await new Promise((r) => setTimeout(r, 20));
+  stalled?.socket.destroy();
   await run.stop();
   ages.sort((a, b) => a - b);
   return { rate: rate(), ages, bytes, previews };

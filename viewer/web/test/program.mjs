@@ -23,6 +23,9 @@ export async function start(program, args) {
     url,
     ended,
     output: () => output,
+    /** Holds it where it is, with its sockets open, and lets it go on. */
+    hold: () => child.kill("SIGSTOP"),
+    release: () => child.kill("SIGCONT"),
     /** Ends it as a crash would. */
     async kill() {
       child.kill("SIGKILL");
