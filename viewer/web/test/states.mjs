@@ -150,7 +150,7 @@ test("a program that is closed leaves what there is", async () => {
 
 test("an address of an earlier run does not let in, and the page says so", async () => {
   const old = run.url;
-  run = await start(program, scan(join(film, "bare"), "bare", "--realtime", "--port", port));
+  run = await start(program, scan(join(film, "bare"), "bare", "--realtime", "--wait", "--port", port));
   for (const page of Object.values(pages)) await until(page, () => window.__stats.link === "refused");
   await pause(300);
   await look(pages, "refused");
@@ -164,6 +164,8 @@ test("an address of an earlier run does not let in, and the page says so", async
 
 test("a board that is never seen is told while it is looked for", async () => {
   pages = { desk: await open(run.url, { ...DESK, colorScheme: "light" }), phone: await open(run.url, { ...PHONE, colorScheme: "dark" }) };
+  await status(pages.desk, "Ready");
+  await pages.desk.click("#b-pause");
   await status(pages.desk, "Searching");
   await until(pages.desk, () => window.__stats.previews > 0);
   run.hold();
