@@ -221,6 +221,32 @@ TEST(Evaluate, SphereAgainstACloudOfASphere) {
   EXPECT_GE(e.completeness.front(), 0.1f - 1e-5f);
 }
 
+TEST(Evaluate, MeshIsMeasuredByItsAreaAndItsSurface) {
+  // Two triangles, 0.01 above the reference: vertices alone would leave nearly all uncovered.
+  const MeshSurface reference(Square(0));
+  const Evaluation same = EvaluateMesh(Square(0.01F), reference, {}, {});
+  EXPECT_EQ(same.points, EvaluationOptions{}.samples);
+  EXPECT_NEAR(*Percentile(same.accuracy, 100), 0.01, 1e-6);
+  EXPECT_NEAR(*Percentile(same.completeness, 100), 0.01, 1e-6);
+  // One of the two triangles, in the box that holds a quarter of the square.
+  TriangleMesh half = Square(0);
+  half.faces.pop_back();
+  EvaluationOptions options;
+  options.box = Box{{-1, -1, -1}, {0, 0, 1}};
+  options.samples = 20000;
+  const Evaluation part = EvaluateMesh(half, reference, {}, options);
+  EXPECT_NEAR(ShareWithin(part.completeness, 1e-5), 0.5, 0.01);
+  EXPECT_EQ(ShareWithin(part.accuracy, 1e-5), 1);
+  // Against a cloud, and with a vertex that is no number.
+  half.vertices[3].x() = std::numeric_limits<float>::quiet_NaN();
+  const Evaluation cloud = EvaluateMesh(half, Grid(0.02F, 40), {});
+  EXPECT_EQ(cloud.not_finite, 1u);
+  EXPECT_GT(*Percentile(cloud.accuracy, 0), 0.0199);
+  EXPECT_NEAR(ShareWithin(cloud.completeness, 0.0201), 0.5, 0.02);
+  half.faces.clear();
+  EXPECT_EQ(ShareWithin(EvaluateMesh(half, reference, {}, options).completeness, 100), 0);
+}
+
 TEST(Evaluate, EmptyOutsideAndBrokenPoints) {
   const MeshSurface square(Square(0));
   EvaluationOptions options;

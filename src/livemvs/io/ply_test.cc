@@ -103,6 +103,23 @@ TEST_F(PlyTest, TheFileIsWhatTheFormatSays) {
   EXPECT_EQ(bytes.substr(body + 35), "\x34\x12");
 }
 
+TEST_F(PlyTest, FramesComeBackWhereTheyAreKnown) {
+  PointCloud cloud = MakeCloud(3);
+  cloud[0].frame = 0;
+  cloud[2].frame = 2'000'000'000;
+  WritePly(folder_ / "a.ply", cloud, "x");
+  const PlyContents contents = ReadPly(folder_ / "a.ply");
+  ExpectSame(contents.cloud, cloud);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(contents.cloud[i].frame, cloud[i].frame);
+  EXPECT_EQ(cloud[1].frame, -1);
+  const PlyContents odd = Read(Header("ascii", Vertices("4") + "property double frame\n") +
+                               "0 0 0 -7\n1 0 0 nan\n2 0 0 1e300\n3 0 0 5\n");
+  EXPECT_EQ(odd.cloud[0].frame, -1);
+  EXPECT_EQ(odd.cloud[1].frame, -1);
+  EXPECT_EQ(odd.cloud[2].frame, -1);
+  EXPECT_EQ(odd.cloud[3].frame, 5);
+}
+
 TEST_F(PlyTest, MeshComesBack) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

@@ -52,7 +52,10 @@ TEST(PointCodec, PointsComeBackWithinTheQuantisation) {
   EXPECT_EQ(back->first_id, 7U);
   ASSERT_EQ(back->points.size(), points.size());
   const float error = 2.0F / 131070 + 2 * kFloatRounding;
-  for (std::size_t i = 0; i < points.size(); ++i) ExpectClose(points[i], back->points[i], error);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ExpectClose(points[i], back->points[i], error);
+    EXPECT_EQ(back->points[i].frame, 42);
+  }
 }
 
 TEST(PointCodec, ARecordTakesSixteenBytesAPoint) {
