@@ -43,8 +43,8 @@ std::vector<std::uint32_t> DistinctPoints(const PointCloud& cloud, SightLines* r
   };
   std::ranges::stable_sort(order, {}, place);
   const std::size_t finite = order.size();
-  const auto repeated = std::ranges::unique(order, {}, place);
-  order.erase(repeated.begin(), repeated.end());
+  const auto same = [&](std::uint32_t a, std::uint32_t b) { return place(a) == place(b); };
+  order.erase(std::unique(order.begin(), order.end(), same), order.end());
   result->repeated = finite - order.size();
   std::ranges::sort(order);
   return order;

@@ -150,8 +150,7 @@ std::vector<Eigen::Vector3i> TilesOf(const VoxelBlocks& blocks) {
     keys.push_back(VoxelBlocks::KeyOf(blocks.Block(i) / kTile));
   }
   std::ranges::sort(keys);
-  const auto repeated = std::ranges::unique(keys);
-  keys.erase(repeated.begin(), repeated.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   std::vector<Eigen::Vector3i> tiles;
   for (const VoxelBlocks::Key key : keys) tiles.push_back(VoxelBlocks::BlockOf(key));
   return tiles;

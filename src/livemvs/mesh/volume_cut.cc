@@ -68,8 +68,7 @@ void AddBlocksAbout(const Voxel& voxel, int reach, const VoxelFrame& frame, Keys
 
 void Compact(Keys* keys) {
   std::ranges::sort(*keys);
-  const auto repeated = std::ranges::unique(*keys);
-  keys->erase(repeated.begin(), repeated.end());
+  keys->erase(std::unique(keys->begin(), keys->end()), keys->end());
 }
 
 /// Blocks within `reach` voxels of a point.

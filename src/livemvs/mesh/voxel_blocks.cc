@@ -19,8 +19,7 @@ std::uint64_t Hash(std::uint64_t key) {  // the finaliser of SplitMix64
 
 VoxelBlocks::VoxelBlocks(std::vector<Key> keys) : keys_(std::move(keys)) {
   std::ranges::sort(keys_);
-  const auto repeated = std::ranges::unique(keys_);
-  keys_.erase(repeated.begin(), repeated.end());
+  keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
   keys_.shrink_to_fit();
   if (keys_.size() > std::numeric_limits<std::int32_t>::max() / 4) {
     throw Error(ErrorKind::kOutOfResource, "the grid is too large; choose larger voxels");
