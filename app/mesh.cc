@@ -38,7 +38,7 @@ constexpr char kExamples[] =
     "  livemvs mesh scan.ply --data scan/ -o model.ply\n"
     "  livemvs mesh mug/ -o mug.ply                    (the folder of a scan)\n"
     "  livemvs mesh scan.ply --data scan/ --resolution 0.002 --faces 50000 -o model.ply\n"
-    "  livemvs mesh scan.ply --data scan/ --watertight -o print.ply\n"
+    "  livemvs mesh scan.ply --data scan/ --whole -o whole.ply\n"
     "\n"
     "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 out of resources, 130 interrupted\n"
     "(nothing is written).";
@@ -146,7 +146,9 @@ void AddSurfaceOptions(CLI::App* command, MeshOptions* o) {
   command->add_option("--memory", o->memory_mb, "What the grids may take [MB]; voxels grow to fit")
       ->capture_default_str();
   command->add_option("--faces", o->faces, "Decimate to at most so many triangles");
-  command->add_flag("--watertight", o->watertight, "Close the surface where nothing was seen");
+  command->add_flag("--whole",
+                    o->whole_surface,
+                    "Keep all of the surface that was cut, also where nothing was seen");
   command->add_option("--support", o->support, "Open the surface so far from every point [voxel]")
       ->capture_default_str();
   command->add_option("--smoothing", o->smoothing, "Weight of smoothness against the points")

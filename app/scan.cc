@@ -24,7 +24,6 @@
 namespace livemvs::app {
 namespace {
 
-
 double UnixTime() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }

@@ -78,7 +78,7 @@ TEST(ColorsOfPoints, BlendTheNearest) {
   points.spacing = 0.01;
   for (const Eigen::Vector3f& v : mesh.vertices) {
     for (int i = 0; i < 6; ++i) {
-      SightLine line{};
+      SightLine line;
       line.position = v + Eigen::Vector3f(0, 0, 0.001F * static_cast<float>(i));
       points.lines.push_back(line);
       points.colors.push_back(v.x() > 0 ? Rgb{10, 200, 30} : Rgb{90, 0, 255});

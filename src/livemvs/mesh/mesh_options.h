@@ -11,7 +11,7 @@ namespace livemvs {
 struct MeshOptions {
   double resolution = 0;  ///< Side of the finest voxels, h [scene]; 0: the points' median spacing.
   std::size_t memory_mb = 2000;  ///< What the grids may take; the voxels grow until they fit.
-  bool watertight = false;       ///< Closes the surface where nothing was seen.
+  bool whole_surface = false;    ///< Keeps the surface also where nothing was seen.
 
   // The cut: docs/meshing.md, Eq. (1) to (4).
   double free_gain = 0.3;      ///< Log-odds of 'empty' that one line of sight through a voxel adds.

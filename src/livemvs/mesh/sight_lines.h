@@ -14,12 +14,13 @@ namespace livemvs {
 /// A point as a sensor of depth: what lies before it on its line of sight is empty, what lies just
 /// behind it is solid.
 struct SightLine {
-  Eigen::Vector3f position;
-  Eigen::Vector3f normal;     ///< Unit, towards the camera; zero: unknown.
-  Eigen::Vector3f direction;  ///< Unit, from the point to its camera; zero: unknown.
-  float length;               ///< Of the line from the point on that is known to be empty. [scene]
-  float sigma;                ///< Of the depth [scene]; 0: unknown.
-  float weight;               ///< Inlier ratio, in (0, 1].
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< [scene]
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< Unit, towards the camera; zero: unknown.
+  Eigen::Vector3f direction =
+      Eigen::Vector3f::Zero();  ///< Unit, from the point to its camera; zero: unknown.
+  float length = 0;  ///< Of the line from the point on that is known to be empty. [scene]
+  float sigma = 0;   ///< Of the depth [scene]; 0: unknown.
+  float weight = 1;  ///< Inlier ratio, in (0, 1].
 };
 
 struct SightLines {

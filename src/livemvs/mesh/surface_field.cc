@@ -49,7 +49,7 @@ class FieldMaker {
  private:
   bool Solid(const Voxel& voxel) const {
     const Voxel inner = voxel - Voxel::Constant(kSide);
-    if (options_.watertight && !volume_.finest().frame.Contains(inner)) return false;
+    if (options_.whole_surface && !volume_.finest().frame.Contains(inner)) return false;
     return volume_.Solid(0, inner);
   }
 

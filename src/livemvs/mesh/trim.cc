@@ -89,7 +89,7 @@ TrimStatistics TrimMesh(const SightLines& sights,
                         const MeshOptions& options,
                         TriangleMesh* mesh) {
   TrimStatistics statistics;
-  if (!options.watertight) {
+  if (!options.whole_surface) {
     std::vector<char> marks(mesh->faces.size(), 0);
     MarkUnsupported(sights, cameras, h, options, *mesh, &marks, &statistics);
     RemoveFaces(marks, mesh);

@@ -165,8 +165,11 @@ LabelVolume CutVolume(const SightLines& sights,
       AddBlocksAboutSurface(volume, l + 1, kSurfaceReach, &keys);
       level.blocks = VoxelBlocks(std::move(keys));
     }
+    // In the bands about it, the coarsest surface stands for what was seen nowhere.
+    MeshOptions of_level = options;
+    if (l + 1 != volume.levels.size()) of_level.inside_prior = 0;
     const Evidence evidence =
-        GatherEvidence(sights.lines, level.frame, level.blocks, options, watch);
+        GatherEvidence(sights.lines, level.frame, level.blocks, of_level, watch);
     CutLevel(l, evidence, watch, &volume);
   }
   return volume;
