@@ -80,31 +80,53 @@ void Spread(const Faces& faces, int rings, std::vector<char>* vertices, std::vec
   }
 }
 
-}  // namespace
-
-bool SimplifyMesh(std::size_t faces, const MeshWatch& watch, TriangleMesh* mesh) {
-  if (mesh->faces.size() <= faces) return true;
-  const Faces original = mesh->faces;
+/// Faces in about `aim` that are sound; all of them as they are, where that cannot be had.
+Faces CollapseSoundly(const TriangleMesh& mesh, std::size_t aim, const MeshWatch& watch) {
+  const Faces& original = mesh.faces;
+  constexpr int kMostTries = 40;
+  constexpr double kCoarsest = 0.7;
+  constexpr std::size_t kLeastFaces = 4;
   std::vector<char> keep(original.size(), 0);  // these stay as they are
-  constexpr int kMostTries = 12;
+  TriangleMesh tried;
+  tried.vertices = mesh.vertices;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
     watch.Check();
     Faces kept, rest;
     for (std::size_t i = 0; i < original.size(); ++i) {
       (keep[i] != 0 ? kept : rest).push_back(original[i]);
     }
-    const std::size_t target = faces > kept.size() ? faces - kept.size() : 0;
-    mesh->faces = Collapse(mesh->vertices, rest, std::max<std::size_t>(target, 4), !kept.empty());
-    mesh->faces.insert(mesh->faces.end(), kept.begin(), kept.end());
-    std::vector<char> faults = Faults(*mesh);
-    if (std::ranges::count(faults, 0) == std::ssize(faults)) {
-      RemoveFaces(std::vector<char>(mesh->faces.size(), 0), mesh);
-      return mesh->faces.size() <= faces;
-    }
-    Spread(original, 2 + attempt, &faults, &keep);
+    // Not much coarser than it would be without those kept: that only makes more faults.
+    const auto fair = static_cast<std::size_t>(kCoarsest * static_cast<double>(aim) *
+                                               static_cast<double>(rest.size()) /
+                                               static_cast<double>(original.size()));
+    const std::size_t target = std::max({aim - std::min(aim, kept.size()), fair, kLeastFaces});
+    tried.faces = Collapse(tried.vertices, rest, target, !kept.empty());
+    tried.faces.insert(tried.faces.end(), kept.begin(), kept.end());
+    std::vector<char> faults = Faults(tried);
+    if (std::ranges::count(faults, 0) == std::ssize(faults)) return tried.faces;
+    // Only about the new faults: what is kept already does not grow.
+    std::vector<char> more(original.size(), 0);
+    Spread(original, 1 + attempt / 2, &faults, &more);
+    for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = keep[i] != 0 || more[i] != 0 ? 1 : 0;
   }
-  mesh->faces = original;
-  return false;
+  return original;
+}
+
+}  // namespace
+
+bool SimplifyMesh(std::size_t faces, const MeshWatch& watch, TriangleMesh* mesh) {
+  if (mesh->faces.size() <= faces) return true;
+  Faces best = mesh->faces;
+  std::size_t aim = faces;
+  constexpr int kMostAims = 4;
+  for (int i = 0; i < kMostAims && best.size() > faces && aim > 0; ++i) {
+    Faces found = CollapseSoundly(*mesh, aim, watch);
+    aim = aim * faces / found.size();
+    if (found.size() < best.size()) best = std::move(found);
+  }
+  mesh->faces = std::move(best);
+  RemoveFaces(std::vector<char>(mesh->faces.size(), 0), mesh);
+  return mesh->faces.size() <= faces;
 }
 
 }  // namespace livemvs

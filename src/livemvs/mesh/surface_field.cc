@@ -249,38 +249,74 @@ class FieldMaker {
     samples_.weight[i] = std::min(counts, 4.0F);
   }
 
-  /// Values that agree with the points and with their neighbours.
-  void Smooth(const MeshWatch& watch) {
-    std::vector<float>& f = field_.values;
-    f.resize(field_.blocks.voxels());
-    for (std::size_t i = 0; i < f.size(); ++i) {
-      f[i] = samples_.weight[i] > 0 ? samples_.target[i] : Distance(samples_.layer[i]);
+  /// The voxels of the band, with their neighbours in it by their place in this list.
+  struct Band {
+    static constexpr std::int32_t kNone = -1;
+    std::vector<std::uint32_t> voxels;
+    std::vector<std::array<std::int32_t, 6>> neighbors;
+  };
+
+  Band MakeBand() {
+    Band band;
+    std::vector<std::int32_t> place(samples_.layer.size(), Band::kNone);
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      if (std::abs(samples_.layer[i]) > kBand) continue;
+      place[i] = static_cast<std::int32_t>(band.voxels.size());
+      band.voxels.push_back(static_cast<std::uint32_t>(i));
     }
-    std::vector<float> before;
-    const auto lambda = static_cast<float>(options_.smoothing);
-    const float label_weight = kLabelWeight * lambda;
-    for (int round = 0; round < options_.smoothing_rounds && lambda > 0; ++round) {
+    band.neighbors.resize(band.voxels.size());
+    ForVoxels([&](std::size_t i, const Voxel& voxel, VoxelCursor* cursor) {
+      if (place[i] == Band::kNone) return;
+      auto& neighbors = band.neighbors[static_cast<std::size_t>(place[i])];
+      for (int side = 0; side < 6; ++side) {
+        const std::int64_t at = cursor->Find(Neighbor(voxel, side));
+        neighbors[static_cast<std::size_t>(side)] =
+            at == VoxelBlocks::kNone ? Band::kNone : place[static_cast<std::size_t>(at)];
+      }
+    });
+    return band;
+  }
+
+  /// Values that agree with the points and with their neighbours: Jacobi steps of Eq. (5).
+  void Smooth(const MeshWatch& watch) {
+    const Band band = MakeBand();
+    std::vector<float> f(band.voxels.size()), before;
+    for (std::size_t k = 0; k < f.size(); ++k) {
+      const std::size_t i = band.voxels[k];
+      f[k] = samples_.weight[i] > 0 ? samples_.target[i] : Distance(samples_.layer[i]);
+    }
+    const int rounds = options_.smoothing > 0 ? options_.smoothing_rounds : 0;
+    for (int round = 0; round < rounds; ++round) {
       watch.Check();
-      before = f;
-      ForVoxels([&](std::size_t i, const Voxel& voxel, VoxelCursor* cursor) {
-        if (std::abs(samples_.layer[i]) > kBand) return;
-        float sum = 0, count = 0;
-        for (int side = 0; side < 6; ++side) {
-          const std::int64_t at = cursor->Find(Neighbor(voxel, side));
-          if (at == VoxelBlocks::kNone) continue;
-          const auto next = static_cast<std::size_t>(at);
-          if (std::abs(samples_.layer[next]) > kBand) continue;
-          sum += before[next];
-          count += 1;
-        }
-        const float points = samples_.weight[i], smooth = count > 0 ? lambda : 0;
-        const float mean = count > 0 ? sum / count : 0;
-        f[i] = (points * samples_.target[i] + label_weight * Distance(samples_.layer[i]) +
-                smooth * mean) /
-               (points + label_weight + smooth);
+      std::swap(before, f);
+      f.resize(before.size());
+      ParallelForRange(0, f.size(), 4096, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) f[k] = Smoothed(band, before, k);
       });
     }
-    for (std::size_t i = 0; i < f.size(); ++i) f[i] = KeepSide(f[i], samples_.layer[i]);
+    field_.values.resize(field_.blocks.voxels());
+    for (std::size_t i = 0; i < field_.values.size(); ++i) {
+      field_.values[i] = Distance(samples_.layer[i]);
+    }
+    for (std::size_t k = 0; k < f.size(); ++k) {
+      field_.values[band.voxels[k]] = KeepSide(f[k], samples_.layer[band.voxels[k]]);
+    }
+  }
+
+  float Smoothed(const Band& band, const std::vector<float>& before, std::size_t k) const {
+    float sum = 0, count = 0;
+    for (const std::int32_t next : band.neighbors[k]) {
+      if (next == Band::kNone) continue;
+      sum += before[static_cast<std::size_t>(next)];
+      count += 1;
+    }
+    const std::size_t i = band.voxels[k];
+    const auto smoothness = static_cast<float>(options_.smoothing);
+    const float points = samples_.weight[i], labels = kLabelWeight * smoothness;
+    const float smooth = count > 0 ? smoothness : 0;
+    return (points * samples_.target[i] + labels * Distance(samples_.layer[i]) +
+            smooth * (count > 0 ? sum / count : 0)) /
+           (points + labels + smooth);
   }
 
   /// The distance that the label says. [voxel]

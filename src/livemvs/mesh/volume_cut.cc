@@ -87,7 +87,9 @@ Keys BlocksAboutPoints(const SightLines& sights, const VoxelFrame& frame, int re
 }
 
 /// Blocks about the surface of the next coarser level: `reach` fine voxels beyond its voxels.
-void AddBlocksAboutSurface(const LabelVolume& volume, std::size_t coarse, int reach, Keys* keys) {
+/// @param closed  The sides of the box are surface, too, where they cut through what is solid.
+void AddBlocksAboutSurface(
+    const LabelVolume& volume, std::size_t coarse, int reach, bool closed, Keys* keys) {
   const LabelLevel& level = volume.levels[coarse];
   const VoxelFrame& fine = volume.levels[coarse - 1].frame;
   VoxelCursor cursor(level.blocks);
@@ -98,7 +100,10 @@ void AddBlocksAboutSurface(const LabelVolume& volume, std::size_t coarse, int re
     for (int axis = 0; axis < 3 && !surface; ++axis) {
       for (const int side : {-1, 1}) {
         const Voxel next = voxel + side * Voxel::Unit(axis);
-        if (!level.frame.Contains(next)) continue;
+        if (!level.frame.Contains(next)) {
+          surface = surface || (closed && level.solid[i] != 0);
+          continue;
+        }
         const std::int64_t at = cursor.Find(next);
         const bool solid = at == VoxelBlocks::kNone
                                ? volume.Solid(coarse, next)
@@ -162,7 +167,7 @@ LabelVolume CutVolume(const SightLines& sights,
       level.blocks = VoxelBlocks(AllBlocks(level.frame));
     } else {
       Keys keys = BlocksAboutPoints(sights, level.frame, kPointReach);
-      AddBlocksAboutSurface(volume, l + 1, kSurfaceReach, &keys);
+      AddBlocksAboutSurface(volume, l + 1, kSurfaceReach, options.whole_surface, &keys);
       level.blocks = VoxelBlocks(std::move(keys));
     }
     // In the bands about it, the coarsest surface stands for what was seen nowhere.
