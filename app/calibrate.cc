@@ -20,6 +20,7 @@
 #include "livemvs/tracking/corner_source.h"
 #include "output_check.h"
 #include "progress.h"
+#include "self_camera.h"
 
 namespace livemvs::app {
 namespace {
@@ -121,9 +122,7 @@ void RunCalibrate(CalibrateArguments a) {
       live ? CalibrateFromLive(a.input, ReadBoard(a.board), a.options, a.progress)
            : CalibrateFromRecording(a);
   if (result.with_board == 0) {
-    throw BadInput((live ? "camera" : a.input.data.string()) + ": board not seen in any of " +
-                   std::to_string(result.frames) + " frames; is it the one that " +
-                   a.board.string() + " describes?");
+    throw BoardNotSeen(live ? "camera" : a.input.data.string(), result.frames, a.board.string());
   }
   std::printf("the board was seen in %lld of %lld frames\n",
               static_cast<long long>(result.with_board),

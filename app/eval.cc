@@ -69,8 +69,8 @@ double UnitsPerMetre(const std::string& unit) {
   return 1;
 }
 
-std::vector<EvaluationCamera> ReadCameras(const EvalArguments& args) {
-  std::vector<EvaluationCamera> cameras;
+std::vector<PosedCamera> ReadCameras(const EvalArguments& args) {
+  std::vector<PosedCamera> cameras;
   if (args.data.empty()) return cameras;
   DatasetOptions options;
   options.data = args.data;
@@ -82,20 +82,13 @@ std::vector<EvaluationCamera> ReadCameras(const EvalArguments& args) {
   return cameras;
 }
 
-TriangleMesh MeshOf(const PlyContents& contents) {
-  TriangleMesh mesh;
-  mesh.faces = contents.faces;
-  for (const Point& p : contents.cloud) mesh.vertices.push_back(p.position);
-  return mesh;
-}
-
 Reference ReadReference(const EvalArguments& args) {
   PlyContents contents = ReadPly(args.reference);
   if (contents.cloud.empty()) throw BadInput(args.reference + ": holds no points");
   Reference reference{std::move(contents.cloud), std::nullopt};
   if (!contents.faces.empty()) {
     contents.cloud = std::move(reference.cloud);
-    reference.surface.emplace(MeshOf(contents));
+    reference.surface.emplace(MeshOf(contents.cloud, contents.faces, false));
     return reference;
   }
   for (const auto& [option, value] :
@@ -112,7 +105,7 @@ Evaluation EvaluateContents(const EvalArguments& args,
                             const PlyContents& judged,
                             const Reference& reference) {
   if (!judged.faces.empty()) {
-    const TriangleMesh mesh = MeshOf(judged);
+    const TriangleMesh mesh = MeshOf(judged.cloud, judged.faces, false);
     return reference.surface
                ? EvaluateMesh(mesh, *reference.surface, ReadCameras(args), args.options)
                : EvaluateMesh(mesh, reference.cloud, args.options);

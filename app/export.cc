@@ -16,6 +16,7 @@
 #include "livemvs/exchange/las.h"
 #include "livemvs/exchange/model.h"
 #include "livemvs/exchange/obj.h"
+#include "livemvs/io/lower_case.h"
 #include "livemvs/io/ply.h"
 #include "output_check.h"
 
@@ -45,14 +46,6 @@ struct ExportArguments {
   GlbOptions glb;
 };
 
-std::string ExtensionOf(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return extension;
-}
-
 std::string ReadCrs(const std::string& path) {
   if (path.empty()) return {};
   std::ifstream file(path, std::ios::binary);
@@ -72,13 +65,7 @@ void WritePlyModel(const fs::path& path, const ExchangeModel& model) {
     WritePly(path, model.vertices, "as in the cloud that was exported");
     return;
   }
-  TriangleMesh mesh;
-  for (const Point& v : model.vertices) {
-    mesh.vertices.push_back(v.position);
-    if (model.has_colors) mesh.colors.push_back(v.color);
-  }
-  mesh.faces = model.faces;
-  WritePly(path, mesh);
+  WritePly(path, MeshOf(model.vertices, model.faces, model.has_colors));
 }
 
 /// Refuses options that the form has no use for, rather than pass over them.
@@ -114,7 +101,7 @@ void WriteFile(const ExportArguments& args,
 }
 
 void RunExport(ExportArguments args) {
-  const std::string extension = ExtensionOf(args.output);
+  const std::string extension = LowerExtension(args.output);
   CheckArguments(args, extension);
   const bool is_scan = fs::is_directory(args.input);
   const fs::path ply = is_scan ? fs::path(args.input) / "cloud.ply" : fs::path(args.input);

@@ -14,6 +14,7 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/io/calibration.h"
+#include "livemvs/io/lower_case.h"
 #include "livemvs/io/picture_codec.h"
 #include "livemvs/io/ply.h"
 #include "livemvs/io/pose_writer.h"
@@ -72,10 +73,7 @@ class AtomicFolder {
 };
 
 bool CanBeCopied(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
+  const std::string extension = LowerExtension(file);
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 

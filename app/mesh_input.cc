@@ -12,7 +12,6 @@ namespace fs = std::filesystem;
 
 MeshInput ReadMeshInput(const fs::path& path) {
   MeshInput input;
-  input.what = path.string();
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) {
     input.cloud = ReadPly(path).cloud;
@@ -20,13 +19,18 @@ MeshInput ReadMeshInput(const fs::path& path) {
   }
   input.cloud = ReadPly(path / "cloud.ply").cloud;
   const JournalContents journal = ReadJournal(path / kJournalName);
-  const Replay& replay = journal.replay;
-  for (const FrameMessage& frame : replay.frames()) {
-    if (frame.cam_from_world && replay.camera()) {
-      input.cameras[frame.index] = {*replay.camera(), *frame.cam_from_world};
-    }
-  }
+  input.cameras = CamerasOf(journal.replay.camera(), journal.replay.frames());
   return input;
+}
+
+MeshCameras CamerasOf(const std::optional<Camera>& camera,
+                      const std::vector<FrameMessage>& frames) {
+  MeshCameras cameras;
+  if (!camera) return cameras;
+  for (const FrameMessage& frame : frames) {
+    if (frame.cam_from_world) cameras[frame.index] = {*camera, *frame.cam_from_world};
+  }
+  return cameras;
 }
 
 MeshCameras CamerasOf(const std::vector<DatasetView>& views) {

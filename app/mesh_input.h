@@ -2,12 +2,12 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "livemvs/core/point.h"
 #include "livemvs/io/dataset.h"
 #include "livemvs/mesh/sight_lines.h"
+#include "livemvs/stream/messages.h"
 
 namespace livemvs::app {
 
@@ -15,7 +15,6 @@ namespace livemvs::app {
 struct MeshInput {
   PointCloud cloud;
   MeshCameras cameras;  ///< Empty: unknown.
-  std::string what;     ///< For messages: the path.
 };
 
 /// Reads a cloud from a PLY file, or from the folder of a scan its cloud.ply and, out of its
@@ -25,5 +24,8 @@ MeshInput ReadMeshInput(const std::filesystem::path& path);
 
 /// The cameras of a data set, by frame.
 MeshCameras CamerasOf(const std::vector<DatasetView>& views);
+
+/// The camera of a scan where its frames were, by frame; those without a pose are left out.
+MeshCameras CamerasOf(const std::optional<Camera>& camera, const std::vector<FrameMessage>& frames);
 
 }  // namespace livemvs::app

@@ -11,7 +11,7 @@ namespace livemvs::app {
 namespace {
 
 SceneRange UncheckedRange(const MethodArguments& args, const Dataset& dataset) {
-  const std::vector<CameraPose> cameras = CamerasOf(dataset);
+  const std::vector<PosedCamera> cameras = CamerasOf(dataset);
   SceneRange range;
   if (const std::optional<Box> box = BoxOf(args)) {
     range = RangeOfBox(*box, cameras);
@@ -81,8 +81,8 @@ std::optional<Box> BoxOf(const MethodArguments& args) {
   return box;
 }
 
-std::vector<CameraPose> CamerasOf(const Dataset& dataset) {
-  std::vector<CameraPose> cameras;
+std::vector<PosedCamera> CamerasOf(const Dataset& dataset) {
+  std::vector<PosedCamera> cameras;
   for (const DatasetView& view : dataset.views()) {
     cameras.push_back({view.camera, view.cam_from_world});
   }

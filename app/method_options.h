@@ -34,7 +34,7 @@ Options MakeOptions(const MethodArguments& args);
 std::optional<Box> BoxOf(const MethodArguments& args);
 
 /// All cameras of a data set.
-std::vector<CameraPose> CamerasOf(const Dataset& dataset);
+std::vector<PosedCamera> CamerasOf(const Dataset& dataset);
 
 /// Where surfaces are sought, by the arguments or else by the data set.
 /// @throws Error (kBadInput) where that is empty.

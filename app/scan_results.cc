@@ -11,6 +11,7 @@
 #include "livemvs/io/ply.h"
 #include "livemvs/io/tum.h"
 #include "livemvs/map/finish_cloud.h"
+#include "mesh_input.h"
 #include "mesh_output.h"
 
 namespace livemvs::app {
@@ -78,15 +79,10 @@ void Print(const fs::path& path) { std::printf("%s\n", fs::absolute(path).c_str(
 void WriteModel(const fs::path& folder, const ScanResult& result, nlohmann::json* statistics) {
   if (result.points.empty()) return;
   const fs::path path = folder / "model.ply";
-  MeshCameras cameras;
-  for (const FrameMessage& frame : result.frames) {
-    if (frame.cam_from_world && result.camera) {
-      cameras[frame.index] = {*result.camera, *frame.cam_from_world};
-    }
-  }
   try {
     const MeshOptions options;
-    const BuiltMesh built = BuildMesh(result.points, cameras, options, {});
+    const BuiltMesh built =
+        BuildMesh(result.points, CamerasOf(result.camera, result.frames), options, {});
     WarnOfMesh(built.statistics, options);
     WritePly(path, built.mesh);
     (*statistics)["mesh"] = MeshJson(built);

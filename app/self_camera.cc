@@ -37,15 +37,18 @@ Seen Watch(const SelfCameraInput& in, const std::string& progress_mode, PoseSour
 
 }  // namespace
 
+Error BoardNotSeen(const std::string& source, std::int64_t frames, const std::string& board) {
+  return BadInput(source + ": board not seen in any of " + std::to_string(frames) +
+                  " frames; is it the one that " + board + " describes?");
+}
+
 Camera FindCameraInRecording(const SelfCameraInput& recording,
                              const TrackerOptions& options,
                              const std::string& progress_mode) {
   const auto tracker = MakeBoardTracker(recording.board, std::nullopt, options);
   const Seen seen = Watch(recording, progress_mode, tracker.get());
   if (seen.with_board == 0) {
-    throw BadInput(recording.input.path.string() + ": board not seen in any of " +
-                   std::to_string(seen.frames) + " frames; is it the one that " +
-                   recording.board_name + " describes?");
+    throw BoardNotSeen(recording.input.path.string(), seen.frames, recording.board_name);
   }
   const Camera camera = tracker->camera();
   if (camera.fx <= 0) {

@@ -5,6 +5,7 @@
 
 #include "frame_input.h"
 #include "livemvs/core/camera.h"
+#include "livemvs/core/error.h"
 #include "livemvs/tracking/board_tracker.h"
 
 namespace livemvs::app {
@@ -17,6 +18,9 @@ struct SelfCameraInput {
   std::int64_t first_frame = 0;
   std::int64_t last_frame = -1;  ///< -1: all.
 };
+
+/// What to throw where none of the frames shows the board.
+Error BoardNotSeen(const std::string& source, std::int64_t frames, const std::string& board);
 
 /// Goes through a recording only to find the camera's focal length, k1 and k2 from the board, and
 /// says what it found: a recording can be read twice, so that its first frames have poses, too.

@@ -10,6 +10,7 @@
 #include "live_view.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
+#include "livemvs/io/lower_case.h"
 #include "livemvs/io/ply.h"
 #include "livemvs/stream/journal.h"
 #include "livemvs/stream/messages.h"
@@ -39,10 +40,7 @@ fs::path FileOf(const fs::path& input) {
 }
 
 bool IsPly(const fs::path& path) {
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
+  const std::string name = LowerCase(path.filename().string());
   return name.ends_with(".ply") || name.ends_with(".ply.gz");
 }
 

@@ -12,7 +12,7 @@ BenchSequence ReadSequence(const char* folder) {
   DatasetOptions options;
   options.data = folder;
   const auto dataset = OpenDataset(options);
-  std::vector<CameraPose> cameras;
+  std::vector<PosedCamera> cameras;
   for (const DatasetView& view : dataset->views()) {
     cameras.push_back({view.camera, view.cam_from_world});
   }

@@ -16,13 +16,13 @@
 
 namespace {
 
-using livemvs::MeshCamera;
 using livemvs::MeshCameras;
 using livemvs::Point;
 using livemvs::PointCloud;
+using livemvs::PosedCamera;
 
-MeshCamera LookDown(const Eigen::Vector3d& center) {
-  MeshCamera c;
+PosedCamera LookDown(const Eigen::Vector3d& center) {
+  PosedCamera c;
   c.camera.width = 1920;
   c.camera.height = 1080;
   c.camera.fx = c.camera.fy = 900;

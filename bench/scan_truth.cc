@@ -58,7 +58,7 @@ void AddFrame(const Truth& truth,
   EvaluationOptions options;
   options.min_cameras = 1;
   options.border_px = kBorder;
-  const EvaluationCamera eye{view.camera, view.cam_from_world};
+  const PosedCamera eye{view.camera, view.cam_from_world};
   const Projector true_camera(view.camera);
   double squares = 0;
   std::int64_t n = 0;
@@ -109,7 +109,7 @@ void ComparePoses(const fs::path& scan, const Truth& truth) {
 void CompareCloud(const fs::path& file, double up, const Truth& truth) {
   PlyContents contents = ReadPly(file);
   for (Point& point : contents.cloud) point.position.z() += static_cast<float>(up);
-  std::vector<EvaluationCamera> cameras;
+  std::vector<PosedCamera> cameras;
   for (std::size_t i = 0; i < truth.views.size(); i += 5) {
     cameras.push_back({truth.views[i].camera, truth.views[i].cam_from_world});
   }

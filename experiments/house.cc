@@ -28,8 +28,8 @@ struct Run {
   std::unique_ptr<Reconstructor> reconstructor;
 };
 
-std::vector<CameraPose> EveryStep(const SequenceOptions& sequence, int step) {
-  std::vector<CameraPose> cameras;
+std::vector<PosedCamera> EveryStep(const SequenceOptions& sequence, int step) {
+  std::vector<PosedCamera> cameras;
   for (int i = 0; i < sequence.path.frames; i += step) {
     cameras.push_back({sequence.camera, PoseAt(sequence.path, i)});
   }
@@ -40,7 +40,7 @@ std::vector<Run> MakeRuns(const SequenceOptions& sequence, const Box& box) {
   std::vector<Run> runs;
   for (const char* preset : {"paper", "default"}) {
     for (const int step : {1, kSkip}) {
-      const std::vector<CameraPose> cameras = EveryStep(sequence, step);
+      const std::vector<PosedCamera> cameras = EveryStep(sequence, step);
       const SceneRange range = RangeOfBox(box, cameras);
       const Options options = ResolveSearch(cameras, range, OptionsFromPreset(preset));
       runs.push_back({std::string(preset) + " " + std::to_string(cameras.size()) + " frames",
@@ -72,7 +72,7 @@ void House(const Settings& settings) {
   const SyntheticScene scene({.name = "house"});
   const SequenceOptions sequence = Video(settings.quick);
   std::vector<Run> runs = MakeRuns(sequence, scene.box());
-  std::vector<EvaluationCamera> cameras;
+  std::vector<PosedCamera> cameras;
   for (int i = 0; i < sequence.path.frames; ++i) {
     const SyntheticFrame frame = RenderSequenceFrame(scene, sequence, i);
     for (Run& run : runs) {

@@ -10,7 +10,10 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-/usr/bin/python3 -c 'import open3d' 2>/dev/null || exit 77
+/usr/bin/python3 -c 'import open3d' 2>/dev/null || {
+  echo "skipped: no Open3D (package python3-open3d)"
+  exit 77
+}
 "$program" run --data "$sample" --seeds 8000 -o "$work/cloud.ply"
 mesh() { "$program" mesh "$work/cloud.ply" --data "$sample" --resolution 0.004 "$@"; }
 mesh -o "$work/open.ply"

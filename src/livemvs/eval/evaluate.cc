@@ -94,7 +94,7 @@ std::vector<float> SortedDistances(const std::vector<Eigen::Vector3f>& from,
 
 Evaluation EvaluateMesh(const TriangleMesh& mesh,
                         const MeshSurface& reference,
-                        std::span<const EvaluationCamera> cameras,
+                        std::span<const PosedCamera> cameras,
                         const EvaluationOptions& options) {
   options.Check();
   const MeshSample sample = SampleMesh(mesh, options);
@@ -147,7 +147,7 @@ void EvaluationOptions::Check() const {
 
 Evaluation EvaluateAgainstMesh(const PointCloud& cloud,
                                const MeshSurface& reference,
-                               std::span<const EvaluationCamera> cameras,
+                               std::span<const PosedCamera> cameras,
                                const EvaluationOptions& options) {
   options.Check();
   Selection selection = Select(cloud, options.box);
@@ -189,11 +189,11 @@ Evaluation EvaluateAgainstCloud(const PointCloud& cloud,
 
 std::vector<Eigen::Vector3f> SeenSamples(const std::vector<Eigen::Vector3f>& samples,
                                          const MeshSurface& surface,
-                                         std::span<const EvaluationCamera> cameras,
+                                         std::span<const PosedCamera> cameras,
                                          const EvaluationOptions& options) {
   std::vector<Projector> projectors;
   std::vector<Eigen::Vector3f> centers;
-  for (const EvaluationCamera& c : cameras) {
+  for (const PosedCamera& c : cameras) {
     projectors.emplace_back(c.camera);
     centers.push_back(c.cam_from_world.Center().cast<float>());
   }

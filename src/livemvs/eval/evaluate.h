@@ -8,16 +8,10 @@
 
 #include "livemvs/core/camera.h"
 #include "livemvs/core/point.h"
-#include "livemvs/core/pose.h"
+#include "livemvs/core/posed_camera.h"
 #include "livemvs/eval/surface.h"
 
 namespace livemvs {
-
-/// A camera that may have seen the surface.
-struct EvaluationCamera {
-  Camera camera;
-  Rigid3d cam_from_world;
-};
 
 struct EvaluationOptions {
   std::optional<Box> box;        ///< Points and surface outside of it are not judged.
@@ -47,7 +41,7 @@ struct Evaluation {
 /// least min_cameras of them see. Deterministic; multi-threaded.
 Evaluation EvaluateAgainstMesh(const PointCloud& cloud,
                                const MeshSurface& reference,
-                               std::span<const EvaluationCamera> cameras,
+                               std::span<const PosedCamera> cameras,
                                const EvaluationOptions& options);
 
 /// Compares a mesh with a mesh: as a cloud of options.samples points spread uniformly over its area
@@ -55,7 +49,7 @@ Evaluation EvaluateAgainstMesh(const PointCloud& cloud,
 /// box. Vertices that are not finite are counted, their triangles left out.
 Evaluation EvaluateMesh(const TriangleMesh& mesh,
                         const MeshSurface& reference,
-                        std::span<const EvaluationCamera> cameras,
+                        std::span<const PosedCamera> cameras,
                         const EvaluationOptions& options);
 
 /// As above, against a cloud, whose points are the surface.
@@ -71,7 +65,7 @@ Evaluation EvaluateAgainstCloud(const PointCloud& cloud,
 /// Those of the samples that at least options.min_cameras of the cameras see, in order.
 std::vector<Eigen::Vector3f> SeenSamples(const std::vector<Eigen::Vector3f>& samples,
                                          const MeshSurface& surface,
-                                         std::span<const EvaluationCamera> cameras,
+                                         std::span<const PosedCamera> cameras,
                                          const EvaluationOptions& options);
 
 /// Share of the sorted distances less than tau, in [0, 1]; 0 where there are none.

@@ -306,7 +306,7 @@ TEST(Evaluate, OnlySurfaceThatEnoughCamerasSeeIsJudged) {
   Rigid3d pose;  // 2 above, looking down
   pose.rotation = Eigen::Vector3d(1, -1, -1).asDiagonal();
   pose.translation = {0, 0, 2};
-  std::vector<EvaluationCamera> cameras(5, {camera, pose});
+  std::vector<PosedCamera> cameras(5, {camera, pose});
 
   EvaluationOptions options;
   options.unblocked = 1 - 1e-4;

@@ -172,4 +172,13 @@ void CheckWritable(const fs::path& path) {
   }
 }
 
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw Error(ErrorKind::kOutOfResource,
+                folder.string() + ": cannot make the folder: " + error.message());
+  }
+}
+
 }  // namespace livemvs

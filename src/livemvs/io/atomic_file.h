@@ -52,4 +52,8 @@ class AtomicFile {
 /// @throws Error (kBadInput) naming path and remedy.
 void CheckWritable(const std::filesystem::path& path);
 
+/// Makes a folder, and those above it that are missing.
+/// @throws Error (kOutOfResource) naming it and the system's reason.
+void MakeFolder(const std::filesystem::path& folder);
+
 }  // namespace livemvs

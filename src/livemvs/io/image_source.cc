@@ -9,6 +9,7 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
+#include "livemvs/io/lower_case.h"
 #include "livemvs/io/picture_codec.h"
 
 namespace livemvs {
@@ -112,8 +113,7 @@ bool NaturalLess(const std::string& a, const std::string& b) {
 }
 
 bool HasImageExtension(const fs::path& path) {
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = LowerExtension(path);
   for (const char* known : {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm"}) {
     if (ending == known) return true;
   }

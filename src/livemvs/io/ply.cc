@@ -269,12 +269,18 @@ TriangleMesh ReadMeshPly(const std::filesystem::path& path, const PlyReadOptions
   if (contents.faces.empty()) {
     throw BadInput(path.string() + ": holds no faces, so it is a cloud and no mesh");
   }
+  return MeshOf(contents.cloud, contents.faces, contents.has_colors);
+}
+
+TriangleMesh MeshOf(const PointCloud& vertices,
+                    std::vector<Eigen::Vector3i> faces,
+                    bool with_colors) {
   TriangleMesh mesh;
-  mesh.faces = contents.faces;
-  mesh.vertices.reserve(contents.cloud.size());
-  for (const Point& point : contents.cloud) {
-    mesh.vertices.push_back(point.position);
-    if (contents.has_colors) mesh.colors.push_back(point.color);
+  mesh.faces = std::move(faces);
+  mesh.vertices.reserve(vertices.size());
+  for (const Point& vertex : vertices) {
+    mesh.vertices.push_back(vertex.position);
+    if (with_colors) mesh.colors.push_back(vertex.color);
   }
   return mesh;
 }

@@ -36,6 +36,11 @@ PlyContents ReadPly(const std::filesystem::path& path, const PlyReadOptions& opt
 /// @throws Error (kBadInput) as ReadPly.
 TriangleMesh ReadMeshPly(const std::filesystem::path& path, const PlyReadOptions& options = {});
 
+/// The mesh of the vertices that a PLY file holds as points.
+TriangleMesh MeshOf(const PointCloud& vertices,
+                    std::vector<Eigen::Vector3i> faces,
+                    bool with_colors);
+
 /// Writes a cloud as binary little-endian PLY: x y z nx ny nz red green blue sigma inlier_ratio
 /// views, and frame where a point knows it. The file appears whole or not at all.
 /// @param normals  What the normals mean, for the header: "towards the first camera".

@@ -110,6 +110,7 @@ void CheckCameras(const std::vector<PosedImage>& images) {
 
 std::vector<PosedImage> WithCamera(const Camera& camera, const std::vector<TrackedPose>& poses) {
   std::vector<PosedImage> images;
+  images.reserve(poses.size());
   for (const TrackedPose& pose : poses) {
     images.push_back({pose.image, camera, pose.cam_from_world});
   }
@@ -123,15 +124,6 @@ std::string Dump(const json& all, const fs::path& file) {
   } catch (const json::type_error&) {
     throw std::invalid_argument(file.string() +
                                 ": the name of a picture is not UTF-8, as JSON must be; rename it");
-  }
-}
-
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    throw Error(ErrorKind::kOutOfResource,
-                folder.string() + ": cannot make the folder: " + error.message());
   }
 }
 

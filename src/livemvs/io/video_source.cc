@@ -11,6 +11,7 @@
 #include "livemvs/core/log.h"
 #include "livemvs/io/ffmpeg_util.h"
 #include "livemvs/io/frame_convert.h"
+#include "livemvs/io/lower_case.h"
 #include "livemvs/io/video_demuxer.h"
 
 namespace livemvs {
@@ -231,8 +232,7 @@ std::unique_ptr<FrameSource> OpenVideo(const fs::path& path, const VideoSourceOp
 }
 
 bool HasVideoExtension(const fs::path& path) {
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = LowerExtension(path);
   for (const char* known : {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi"}) {
     if (ending == known) return true;
   }

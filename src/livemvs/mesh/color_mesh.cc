@@ -27,21 +27,15 @@ MeshColorizer::MeshColorizer(const TriangleMesh& mesh, double thickness)
       views_(mesh.vertices.size()) {}
 
 void MeshColorizer::AddFrame(const PosedFrame& frame) {
-  const Projector projector(frame.camera);
-  const Eigen::Vector3f center = frame.cam_from_world.Center().cast<float>();
-  ++frames_;
+  const SurfaceViewer viewer({frame.camera, frame.cam_from_world}, kBorderPx);
   ParallelForRange(0, views_.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const Eigen::Vector3f to_vertex = mesh_.vertices[i] - center;
-      const float length = to_vertex.norm();
-      const float facing = -normals_[i].dot(to_vertex) / length;
-      if (!(facing > kLeastFacing)) continue;
-      const auto pixel = projector.Project(frame.cam_from_world * mesh_.vertices[i].cast<double>());
-      if (!pixel || !frame.camera.Contains(*pixel, kBorderPx)) continue;
-      if (surface_.IsBlocked(center, to_vertex, 1 - std::min(thickness_ / length, 1.0F))) continue;
-      views_[i].Add(facing * facing / (length * length),
-                    frame.picture->ColorAt(static_cast<int>(std::lround(pixel->x())),
-                                           static_cast<int>(std::lround(pixel->y()))));
+      const auto seen =
+          viewer.See(mesh_.vertices[i], normals_[i], kLeastFacing, surface_, thickness_);
+      if (!seen) continue;
+      views_[i].Add(seen->facing * seen->facing / (seen->length * seen->length),
+                    frame.picture->ColorAt(static_cast<int>(std::lround(seen->pixel.x())),
+                                           static_cast<int>(std::lround(seen->pixel.y()))));
     }
   });
 }

@@ -26,7 +26,6 @@ class MeshColorizer {
   /// Colours of the vertices; that of `otherwise`, one for each, where no picture showed it.
   std::vector<Rgb> Take(std::vector<Rgb> otherwise) const;
 
-  std::size_t frames() const { return frames_; }
   /// Vertices that a picture showed.
   std::size_t seen() const;
 
@@ -47,7 +46,6 @@ class MeshColorizer {
   std::vector<Eigen::Vector3f> normals_;
   float thickness_;
   std::vector<Views> views_;
-  std::size_t frames_ = 0;
 };
 
 /// Colours of the points near each vertex, blended.

@@ -8,7 +8,7 @@ namespace livemvs {
 namespace {
 
 /// A picture of one grey value.
-PosedFrame GreyFrame(const MeshCamera& camera, std::uint8_t grey) {
+PosedFrame GreyFrame(const PosedCamera& camera, std::uint8_t grey) {
   auto picture = std::make_shared<Picture>();
   picture->grey = Image<std::uint8_t>(camera.camera.width, camera.camera.height);
   for (int y = 0; y < camera.camera.height; ++y) {
@@ -42,7 +42,7 @@ TEST(MeshColorizer, TakesTheMedianOfViews) {
   TriangleMesh mesh;
   AddSquare(0, 0.1F, 4, &mesh);
   MeshColorizer colorizer(mesh, 0.001);
-  const MeshCamera above = LookAt({0.01, 0, 0.5}, {0, 0, 0});
+  const PosedCamera above = LookAt({0.01, 0, 0.5}, {0, 0, 0});
   for (const int grey : {100, 102, 98, 250, 101}) {
     colorizer.AddFrame(GreyFrame(above, static_cast<std::uint8_t>(grey)));
   }

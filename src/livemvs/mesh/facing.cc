@@ -12,47 +12,58 @@ namespace {
 /// Cameras that are asked, at most.
 constexpr std::size_t kMostCameras = 48;
 
-struct Viewer {
-  Projector projector;
-  Camera camera;
-  Rigid3d cam_from_world;
-  Eigen::Vector3f center;
-};
-
 /// Some of the cameras, evenly along the film.
-std::vector<Viewer> ChooseViewers(const MeshCameras& cameras) {
-  std::vector<Viewer> viewers;
+std::vector<SurfaceViewer> ChooseViewers(const MeshCameras& cameras) {
+  std::vector<SurfaceViewer> viewers;
   const std::size_t count = std::min(kMostCameras, cameras.size());
   std::size_t i = 0, next = 0;
   for (const auto& [index, c] : cameras) {
     if (i++ != next * cameras.size() / count) continue;
     ++next;
-    viewers.push_back({Projector(c.camera), c.camera, c.cam_from_world, c.Center()});
+    viewers.emplace_back(c, 0);
   }
   return viewers;
 }
 
 float FacingOf(const Eigen::Vector3f& vertex,
                const Eigen::Vector3f& normal,
-               const std::vector<Viewer>& viewers,
+               const std::vector<SurfaceViewer>& viewers,
                const MeshSurface& surface,
                float farthest) {
   float best = 0, second = 0;
-  for (const Viewer& v : viewers) {
-    const Eigen::Vector3f to_vertex = vertex - v.center;
-    const float length = to_vertex.norm();
-    const float facing = -normal.dot(to_vertex) / length;
-    if (!(facing > second)) continue;
-    const auto pixel = v.projector.Project(v.cam_from_world * vertex.cast<double>());
-    if (!pixel || !v.camera.Contains(*pixel, 0)) continue;
-    if (surface.IsBlocked(v.center, to_vertex, 1 - std::min(farthest / length, 1.0F))) continue;
-    second = std::min(best, facing);
-    best = std::max(best, facing);
+  for (const SurfaceViewer& viewer : viewers) {
+    const auto sighting = viewer.See(vertex, normal, second, surface, farthest);
+    if (!sighting) continue;
+    second = std::min(best, sighting->facing);
+    best = std::max(best, sighting->facing);
   }
   return second;
 }
 
 }  // namespace
+
+SurfaceViewer::SurfaceViewer(const PosedCamera& camera, double border_px)
+    : projector_(camera.camera),
+      cam_from_world_(camera.cam_from_world),
+      center_(camera.cam_from_world.Center().cast<float>()),
+      border_px_(border_px) {}
+
+std::optional<SurfaceViewer::Sighting> SurfaceViewer::See(const Eigen::Vector3f& vertex,
+                                                          const Eigen::Vector3f& normal,
+                                                          float least_facing,
+                                                          const MeshSurface& surface,
+                                                          float thickness) const {
+  const Eigen::Vector3f to_vertex = vertex - center_;
+  const float length = to_vertex.norm();
+  const float facing = -normal.dot(to_vertex) / length;
+  if (!(facing > least_facing)) return std::nullopt;
+  const auto pixel = projector_.Project(cam_from_world_ * vertex.cast<double>());
+  if (!pixel || !projector_.camera().Contains(*pixel, border_px_)) return std::nullopt;
+  if (surface.IsBlocked(center_, to_vertex, 1 - std::min(thickness / length, 1.0F))) {
+    return std::nullopt;
+  }
+  return Sighting{facing, length, *pixel};
+}
 
 std::vector<float> FacingOfVertices(const TriangleMesh& mesh,
                                     const MeshCameras& cameras,
@@ -60,7 +71,7 @@ std::vector<float> FacingOfVertices(const TriangleMesh& mesh,
                                     double farthest) {
   std::vector<float> facing(mesh.vertices.size(), 0);
   if (mesh.faces.empty() || cameras.empty()) return facing;
-  const std::vector<Viewer> viewers = ChooseViewers(cameras);
+  const std::vector<SurfaceViewer> viewers = ChooseViewers(cameras);
   const std::vector<Eigen::Vector3f> normals = VertexNormals(mesh);
   const MeshSurface surface(mesh);
   ParallelForRange(0, facing.size(), 256, [&](std::size_t first, std::size_t last) {

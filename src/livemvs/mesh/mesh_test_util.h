@@ -12,8 +12,8 @@
 namespace livemvs {
 
 /// A camera at `center` that looks at `target`.
-inline MeshCamera LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
-  MeshCamera c;
+inline PosedCamera LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
+  PosedCamera c;
   c.camera.width = 640;
   c.camera.height = 480;
   c.camera.fx = c.camera.fy = 500;

@@ -105,7 +105,8 @@ SightLine LineOf(const Point& point, const MeshCameras& cameras, float short_len
   line.weight = std::clamp(Sane(point.inlier_ratio, 1), 0.05F, 1.0F);
   const auto camera = point.frame >= 0 ? cameras.find(point.frame) : cameras.end();
   Eigen::Vector3f to_camera = Eigen::Vector3f::Zero();
-  if (camera != cameras.end()) to_camera = camera->second.Center() - point.position;
+  if (camera != cameras.end())
+    to_camera = camera->second.cam_from_world.Center().cast<float>() - point.position;
   *seen = to_camera.allFinite() && !to_camera.isZero();
   line.direction = *seen ? UnitOrZero(to_camera) : line.normal;
   line.length = *seen ? to_camera.norm() : short_length;

@@ -152,6 +152,7 @@ std::vector<Eigen::Vector3i> TilesOf(const VoxelBlocks& blocks) {
   std::ranges::sort(keys);
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   std::vector<Eigen::Vector3i> tiles;
+  tiles.reserve(keys.size());
   for (const VoxelBlocks::Key key : keys) tiles.push_back(VoxelBlocks::BlockOf(key));
   return tiles;
 }

@@ -17,7 +17,7 @@ double Percentile(std::vector<double>& values, double fraction) {
   return values[n];
 }
 
-double MedianBaseline(const std::vector<CameraPose>& cameras) {
+double MedianBaseline(const std::vector<PosedCamera>& cameras) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < cameras.size(); ++i) {
     steps.push_back(
@@ -27,13 +27,13 @@ double MedianBaseline(const std::vector<CameraPose>& cameras) {
 }
 
 // The diagonal of the box round the camera centres.
-double PathExtent(const std::vector<CameraPose>& cameras) {
+double PathExtent(const std::vector<PosedCamera>& cameras) {
   Eigen::AlignedBox3d box;
-  for (const CameraPose& c : cameras) box.extend(c.cam_from_world.Center());
+  for (const PosedCamera& c : cameras) box.extend(c.cam_from_world.Center());
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-std::optional<SceneRange> RangeOfSparsePoints(const std::vector<CameraPose>& cameras,
+std::optional<SceneRange> RangeOfSparsePoints(const std::vector<PosedCamera>& cameras,
                                               const std::vector<Eigen::Vector3d>& points) {
   constexpr std::size_t kEnough = 20;
   std::vector<double> depths;
@@ -57,10 +57,10 @@ std::optional<SceneRange> RangeOfSparsePoints(const std::vector<CameraPose>& cam
 }
 
 // The point nearest to all optical axes, or nothing where the axes are close to parallel.
-std::optional<Eigen::Vector3d> LookAtPoint(const std::vector<CameraPose>& cameras) {
+std::optional<Eigen::Vector3d> LookAtPoint(const std::vector<PosedCamera>& cameras) {
   Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
   Eigen::Vector3d v = Eigen::Vector3d::Zero();
-  for (const CameraPose& c : cameras) {
+  for (const PosedCamera& c : cameras) {
     const Eigen::Vector3d axis = c.cam_from_world.rotation.row(2).transpose();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
     m += across;
@@ -74,11 +74,11 @@ std::optional<Eigen::Vector3d> LookAtPoint(const std::vector<CameraPose>& camera
   return Eigen::Vector3d(m.ldlt().solve(v));
 }
 
-std::optional<SceneRange> RangeOfCommonRegion(const std::vector<CameraPose>& cameras) {
+std::optional<SceneRange> RangeOfCommonRegion(const std::vector<PosedCamera>& cameras) {
   const auto target = LookAtPoint(cameras);
   if (!target) return std::nullopt;
   std::vector<double> depths;
-  for (const CameraPose& c : cameras) {
+  for (const PosedCamera& c : cameras) {
     const Eigen::Vector3d p = c.cam_from_world * *target;
     const double sideways = std::hypot(p.x(), p.y());
     if (p.z() > 0 && sideways < 0.5 * p.z()) depths.push_back(p.z());
@@ -132,11 +132,11 @@ std::optional<std::pair<double, double>> SceneRange::Along(const Eigen::Vector3d
   return std::pair(lo, hi);
 }
 
-SceneRange RangeOfBox(const Box& box, const std::vector<CameraPose>& cameras) {
+SceneRange RangeOfBox(const Box& box, const std::vector<PosedCamera>& cameras) {
   SceneRange range;
   range.box = box;
   std::vector<double> nearest_depths, farthest_depths;
-  for (const CameraPose& c : cameras) {
+  for (const PosedCamera& c : cameras) {
     double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d p(corner & 1 ? box.max.x() : box.min.x(),
@@ -161,7 +161,7 @@ SceneRange RangeOfBox(const Box& box, const std::vector<CameraPose>& cameras) {
   return range;
 }
 
-SceneRange DeriveRange(const std::vector<CameraPose>& cameras,
+SceneRange DeriveRange(const std::vector<PosedCamera>& cameras,
                        const std::vector<Eigen::Vector3d>& sparse_points) {
   if (const auto range = RangeOfSparsePoints(cameras, sparse_points)) return *range;
   const double extent = PathExtent(cameras);

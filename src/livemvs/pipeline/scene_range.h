@@ -7,15 +7,9 @@
 
 #include "livemvs/core/camera.h"
 #include "livemvs/core/point.h"
-#include "livemvs/core/pose.h"
+#include "livemvs/core/posed_camera.h"
 
 namespace livemvs {
-
-/// A camera with its pose.
-struct CameraPose {
-  Camera camera;
-  Rigid3d cam_from_world;
-};
 
 /// Where surfaces are sought: in a box, or between two depths, or both. [scene]
 struct SceneRange {
@@ -38,13 +32,13 @@ struct SceneRange {
 };
 
 /// The range of a box: depths between the nearest and the farthest corner from any camera.
-SceneRange RangeOfBox(const Box& box, const std::vector<CameraPose>& cameras);
+SceneRange RangeOfBox(const Box& box, const std::vector<PosedCamera>& cameras);
 
 /// A range from what is known before the first picture: of the sparse points, where there are
 /// enough seen by the cameras; else of the region that the cameras look at; else, for cameras that
 /// look at nothing in common (forward motion, a walk through rooms), from the length of their path.
 /// @throws Error (kBadInput) where the cameras do not move.
-SceneRange DeriveRange(const std::vector<CameraPose>& cameras,
+SceneRange DeriveRange(const std::vector<PosedCamera>& cameras,
                        const std::vector<Eigen::Vector3d>& sparse_points);
 
 }  // namespace livemvs

@@ -28,8 +28,8 @@ Rigid3d LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   return pose;
 }
 
-std::vector<CameraPose> Orbit(double radius, const Eigen::Vector3d& target) {
-  std::vector<CameraPose> cameras;
+std::vector<PosedCamera> Orbit(double radius, const Eigen::Vector3d& target) {
+  std::vector<PosedCamera> cameras;
   for (int i = 0; i < 40; ++i) {
     const double angle = 0.03 * i;
     const Eigen::Vector3d eye =
@@ -118,7 +118,7 @@ TEST(RangeOfBoxTest, HoldsTheBoxFromAllCameras) {
   const auto cameras = Orbit(1.5, {0, 0, 0});
   const SceneRange range = RangeOfBox(box, cameras);
   EXPECT_NO_THROW(range.Check());
-  for (const CameraPose& c : cameras) {
+  for (const PosedCamera& c : cameras) {
     for (int k = 0; k < 8; ++k) {
       const Eigen::Vector3d p(k & 1 ? 0.2 : -0.2, k & 2 ? 0.1 : -0.1, k & 4 ? 0.2 : -0.2);
       const double z = (c.cam_from_world * p).z();
@@ -149,7 +149,7 @@ TEST(DeriveRangeTest, ScalesWithTheScene) {
 }
 
 TEST(DeriveRangeTest, ForwardWalkHasARangeOfItsPath) {
-  std::vector<CameraPose> cameras;
+  std::vector<PosedCamera> cameras;
   for (int i = 0; i < 50; ++i) {
     cameras.push_back({kCamera, Rigid3d{Eigen::Matrix3d::Identity(), {0, 0, -0.05 * i}}});
   }
@@ -167,7 +167,7 @@ TEST(DeriveRangeTest, SparsePointsDecideWhereThereAreEnough) {
   for (int i = 0; i < 300; ++i) points.emplace_back(side(random), side(random), side(random));
   const SceneRange range = DeriveRange(cameras, points);
   EXPECT_NO_THROW(range.Check());
-  for (const CameraPose& c : cameras) {
+  for (const PosedCamera& c : cameras) {
     for (const Eigen::Vector3d& p : points) {
       EXPECT_GT((c.cam_from_world * p).z(), range.near);
       EXPECT_LT((c.cam_from_world * p).z(), range.far);

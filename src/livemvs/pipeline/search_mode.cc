@@ -5,11 +5,11 @@
 
 namespace livemvs {
 
-double MedianDisparityRange(const std::vector<CameraPose>& cameras, const SceneRange& range) {
+double MedianDisparityRange(const std::vector<PosedCamera>& cameras, const SceneRange& range) {
   std::vector<double> lengths;
   for (std::size_t i = 1; i < cameras.size(); ++i) {
-    const CameraPose& ref = cameras[i - 1];
-    const CameraPose& cur = cameras[i];
+    const PosedCamera& ref = cameras[i - 1];
+    const PosedCamera& cur = cameras[i];
     const Projector projector(cur.camera);
     const Rigid3d cur_from_ref = cur.cam_from_world * ref.cam_from_world.Inverse();
     const Eigen::Vector3d axis(0, 0, 1);
@@ -23,7 +23,7 @@ double MedianDisparityRange(const std::vector<CameraPose>& cameras, const SceneR
   return *middle;
 }
 
-Options ResolveSearch(const std::vector<CameraPose>& cameras,
+Options ResolveSearch(const std::vector<PosedCamera>& cameras,
                       const SceneRange& range,
                       const Options& options) {
   Options resolved = options;

@@ -32,15 +32,6 @@ constexpr double kDepthUnit = 1e-3;  // of the PNG depth images [m]
   return std::string(line, std::clamp<int>(length, 0, sizeof line - 1));
 }
 
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    throw Error(ErrorKind::kOutOfResource,
-                folder.string() + ": cannot make the folder: " + error.message());
-  }
-}
-
 fs::path WriteText(const fs::path& path, const std::string& text) {
   AtomicFile file(path);
   file.Write(text);

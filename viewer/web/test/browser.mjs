@@ -8,7 +8,7 @@
 import assert from "node:assert/strict";
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
-import { get, readRecords, start, upgrade } from "./program.mjs";
+import { get, readRecords, runTests, start, upgrade } from "./program.mjs";
 
 const [program, sample, output] = process.argv.slice(2);
 const chromiumPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
@@ -230,20 +230,11 @@ test("a mesh can be viewed", async () => {
   assert.equal(await run.stop(), 0);
 });
 
-let failed = 0;
-for (const { name, body } of tests) {
-  const begin = Date.now();
-  try {
-    await body();
-    console.log(`ok      ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
-  } catch (error) {
-    ++failed;
-    console.log(`FAILED  ${name}: ${error.stack}`);
-    if (page) console.log(JSON.stringify(await stats(page).catch(() => null)));
-    if (page) await shot(page, "failed").catch(() => {});
-    break; // what follows builds on it
-  }
-}
+const failed = await runTests(tests, async () => {
+  if (!page) return;
+  console.log(JSON.stringify(await stats(page).catch(() => null)));
+  await shot(page, "failed").catch(() => {});
+});
 await run?.stop();
 await browser.close();
 if (complaints.length > 0) console.log("the browser complained:", complaints);

@@ -41,6 +41,23 @@ export async function start(program, args) {
   };
 }
 
+/** Runs tests, { name, body }, in order until one fails, which is told to `failed`; resolves to their
+ * number. What follows a failure builds on it. */
+export async function runTests(tests, failed) {
+  for (const { name, body } of tests) {
+    const begin = Date.now();
+    try {
+      await body();
+      console.log(`ok      ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      console.log(`FAILED  ${name}: ${error.stack}`);
+      await failed();
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /** GET; resolves to status and headers. */
 export function get(url, headers = {}) {
   return new Promise((done, failed) => {

@@ -10,7 +10,7 @@ import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { existsSync, linkSync, mkdirSync, readdirSync, renameSync, rmSync } from "node:fs";
 import { join } from "node:path";
-import { start } from "./program.mjs";
+import { runTests, start } from "./program.mjs";
 
 const [program, output, only = ""] = process.argv.slice(2);
 const chromiumPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
@@ -178,22 +178,12 @@ test("a board that is never seen is told while it is looked for", async () => {
   assert.equal(await run.ended, 3);
 });
 
-let failed = 0;
-for (const { name, body } of tests.filter((t) => t.name.includes(only))) {
-  const begin = Date.now();
-  try {
-    await body();
-    console.log(`ok      ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
-  } catch (error) {
-    ++failed;
-    console.log(`FAILED  ${name}: ${error.stack}`);
-    for (const [kind, page] of Object.entries(pages)) {
-      console.log(JSON.stringify(await page.evaluate(() => window.__stats).catch(() => null)));
-      await page.screenshot({ path: join(output, `${kind}-at-failure.png`) }).catch(() => {});
-    }
-    break;
+const failed = await runTests(tests.filter((t) => t.name.includes(only)), async () => {
+  for (const [kind, page] of Object.entries(pages)) {
+    console.log(JSON.stringify(await page.evaluate(() => window.__stats).catch(() => null)));
+    await page.screenshot({ path: join(output, `${kind}-at-failure.png`) }).catch(() => {});
   }
-}
+});
 await run?.stop();
 await browser.close();
 process.exit(failed ? 1 : 0);
