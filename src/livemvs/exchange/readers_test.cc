@@ -17,13 +17,13 @@
 #include "livemvs/exchange/glb.h"
 #include "livemvs/exchange/las.h"
 #include "livemvs/exchange/obj.h"
+#include "temporary.h"
 
 namespace livemvs {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path Temporary(const std::string& name) { return fs::path(testing::TempDir()) / name; }
+using testing_support::Temporary;
 
 // A tetrahedron whose vertices differ in everything.
 ExchangeModel Tetrahedron(const Eigen::Vector3f& at = Eigen::Vector3f::Zero()) {

@@ -10,11 +10,13 @@
 #include "livemvs/io/colmap.h"
 #include "livemvs/io/pose_file.h"
 #include "livemvs/io/transforms.h"
+#include "temporary.h"
 
 namespace livemvs {
 namespace {
 
 namespace fs = std::filesystem;
+using testing_support::Temporary;
 
 constexpr double kExact = 1e-9;  // written with all digits; quaternions round
 
@@ -57,8 +59,6 @@ void ExpectSame(const Camera& a, const Camera& b) {
   EXPECT_NEAR(a.cy, b.cy, kExact);
   for (int i = 0; i < 8; ++i) EXPECT_NEAR(a.distortion[i], b.distortion[i], kExact) << i;
 }
-
-fs::path Temporary(const char* name) { return fs::path(testing::TempDir()) / name; }
 
 TEST(PoseWriterTest, RowsComeBackByTheirNumbers) {
   const fs::path file = Temporary("writer_rows.txt");

@@ -11,16 +11,16 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/tracking/opencv_dictionary.h"
+#include "temporary.h"
 
 namespace livemvs {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using testing_support::Temporary;
 
 constexpr double kRounding = 1e-6;  // OpenCV keeps coordinates in single precision [m]
-
-fs::path Temporary(const std::string& name) { return fs::path(testing::TempDir()) / name; }
 
 fs::path File(const std::string& text) {
   const fs::path path = Temporary("board_hostile.json");
