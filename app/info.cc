@@ -7,10 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "commands.h"
 #include "dataset_options.h"
+#include "livemvs/backend/backend.h"
+#include "livemvs/backend/cuda/cuda_backend.h"
 #include "livemvs/io/dataset.h"
 #include "livemvs/io/dataset_consistency.h"
 
@@ -23,6 +26,7 @@ struct InfoOptions {
   DatasetOptions dataset;
   bool as_json = false;
   bool quick = false;
+  bool devices = false;
 };
 
 std::array<double, 3> ToArray(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -287,6 +291,43 @@ void Print(const json& info) {
   if (info["warnings"].empty()) std::printf("no inconsistency found\n");
 }
 
+json DescribeDevices() {
+  const CudaDevices cuda = FindCudaDevices();
+  json gpus = json::array();
+  for (const CudaDevice& device : cuda.devices) {
+    gpus.push_back(
+        {{"name", device.name},
+         {"compute_capability", std::to_string(device.major) + "." + std::to_string(device.minor)},
+         {"memory_mib", device.memory >> 20},
+         {"usable", device.trouble.empty()},
+         {"trouble", device.trouble}});
+  }
+  Options cpu;
+  cpu.max_seeds = 1;
+  return {{"cpu", MakeCpuBackend(cpu)->name()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"cuda", gpus},
+          {"no_cuda", cuda.trouble}};
+}
+
+void PrintDevices(const json& devices) {
+  std::printf("%s, %d cores    --backend cpu\n",
+              devices["cpu"].get<std::string>().c_str(),
+              devices["cores"].get<int>());
+  for (const json& gpu : devices["cuda"]) {
+    std::printf("%s, compute capability %s, %lld MiB    %s\n",
+                gpu["name"].get<std::string>().c_str(),
+                gpu["compute_capability"].get<std::string>().c_str(),
+                gpu["memory_mib"].get<long long>(),
+                gpu["usable"].get<bool>()
+                    ? "--backend cuda"
+                    : ("cannot be used: " + gpu["trouble"].get<std::string>()).c_str());
+  }
+  if (devices["cuda"].empty()) {
+    std::printf("no GPU: %s\n", devices["no_cuda"].get<std::string>().c_str());
+  }
+}
+
 }  // namespace
 
 void AddInfoCommand(CLI::App& app) {
@@ -297,11 +338,22 @@ void AddInfoCommand(CLI::App& app) {
   command->add_option("IN", options->dataset.data, "Data set folder, or a video");
   command->add_flag("--json", options->as_json, "Print JSON for machines");
   command->add_flag("--quick", options->quick, "Do not compare pictures with poses");
+  command->add_flag("--devices", options->devices, "List what can reconstruct on this machine");
   command->footer(
       "Examples:\n"
       "  livemvs info recordings/cube\n"
+      "  livemvs info --devices\n"
       "  livemvs info film.mp4 --poses trajectory.txt --camera camera.yaml --json");
   command->callback([options] {
+    if (options->devices) {
+      const json devices = DescribeDevices();
+      if (options->as_json) {
+        std::printf("%s\n", devices.dump(2).c_str());
+      } else {
+        PrintDevices(devices);
+      }
+      return;
+    }
     if (options->dataset.data.empty()) throw CLI::RequiredError("IN");
     const std::unique_ptr<Dataset> dataset = OpenDataset(options->dataset);
     const json info = Describe(*dataset, options->quick);

@@ -45,6 +45,8 @@ void AddMethodOptions(CLI::App* command, MethodArguments* args) {
       ->check(CLI::PositiveNumber);
   command->add_option("--threads", args->threads, "Worker threads (all cores)")
       ->check(CLI::PositiveNumber);
+  command->add_option(
+      "--backend", args->backend, "cpu, cuda (an NVIDIA GPU), or auto: that or else the CPU (cpu)");
   command->add_option("--set", args->settings, "Any option of the method, NAME=VALUE; repeatable");
 }
 
@@ -60,6 +62,7 @@ Options MakeOptions(const MethodArguments& args) {
   if (args.seeds > 0) options.max_seeds = args.seeds;
   if (args.threads > 0) options.threads = args.threads;
   if (!args.search.empty()) SetOption(&options, "search", args.search);
+  if (!args.backend.empty()) SetOption(&options, "backend", args.backend);
   options.Check();
   return options;
 }

@@ -21,8 +21,9 @@ struct MethodArguments {
   double near = 0;                    ///< [scene]; 0: not given.
   double far = 0;                     ///< [scene]; 0: not given.
   std::string search;
-  int seeds = 0;    ///< 0: the preset's.
-  int threads = 0;  ///< 0: all cores.
+  int seeds = 0;        ///< 0: the preset's.
+  int threads = 0;      ///< 0: all cores.
+  std::string backend;  ///< Empty: the preset's.
 };
 
 void AddMethodOptions(CLI::App* command, MethodArguments* args);

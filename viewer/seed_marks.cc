@@ -39,33 +39,26 @@ std::vector<SeedMark> MarkSeeds(const SeedPool& pool,
                                 const Options& options,
                                 std::size_t most) {
   std::vector<SeedMark> marks;
-  const SeedColumns& s = pool.columns();
   const Projector projector(frame.camera);
-  const std::size_t stride = pool.size() / std::max<std::size_t>(most, 1) + 1;
-  for (const ReferenceFrame& reference : pool.references()) {
+  const std::size_t step = pool.size() / std::max<std::size_t>(most, 1) + 1;
+  pool.ForEachAlive(step, [&](const ReferenceFrame& reference, const SeedState& seed) {
     const Rigid3d cur_from_ref = frame.cam_from_world * reference.cam_from_world.Inverse();
     const auto pixel_width = static_cast<float>(1 / reference.camera.FocalLength());
-    const std::size_t first = (reference.begin + stride - 1) / stride * stride;
-    for (std::size_t i = first; i < reference.end; i += stride) {
-      if (s.fate[i] != Fate::kAlive) continue;
-      const Interval<float> interval = {s.c0[i], s.c1[i]};
-      const DepthEstimate<float> z =
-          DepthOf<float>(options.coordinate, interval, s.mu[i], s.sigma2[i]);
-      if (!(z.depth > 0) || !std::isfinite(z.depth)) continue;
-      const Eigen::Vector3d bearing =
-          Eigen::Vector3d(s.bearing_x[i], s.bearing_y[i], 1).normalized();
-      const bool lost =
-          s.counts[i].unseen > 0 || (s.counts[i].age > kYoung && s.counts[i].views < kYoung / 4);
-      auto mark = MarkAt(projector,
-                         cur_from_ref * (bearing * static_cast<double>(z.depth)),
-                         lost ? MarkKind::kUnmatched : MarkKind::kConverging);
-      if (!mark) continue;
-      mark->progress = Progress(z.sigma,
-                                DepthRange(options.coordinate, interval),
-                                options.epsilon_px * pixel_width * z.depth);
-      marks.push_back(*mark);
-    }
-  }
+    const DepthEstimate<float> z =
+        DepthOf<float>(options.coordinate, seed.interval, seed.posterior.mu, seed.posterior.sigma2);
+    if (!(z.depth > 0) || !std::isfinite(z.depth)) return;
+    const Eigen::Vector3d bearing = Eigen::Vector3d(seed.bearing_x, seed.bearing_y, 1).normalized();
+    const SeedCounts& counts = seed.counts;
+    const bool lost = counts.unseen > 0 || (counts.age > kYoung && counts.views < kYoung / 4);
+    auto mark = MarkAt(projector,
+                       cur_from_ref * (bearing * static_cast<double>(z.depth)),
+                       lost ? MarkKind::kUnmatched : MarkKind::kConverging);
+    if (!mark) return;
+    mark->progress = Progress(z.sigma,
+                              DepthRange(options.coordinate, seed.interval),
+                              options.epsilon_px * pixel_width * z.depth);
+    marks.push_back(*mark);
+  });
   return marks;
 }
 

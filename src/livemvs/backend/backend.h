@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "livemvs/backend/seed_columns.h"
+#include "livemvs/backend/seed_state.h"
 #include "livemvs/core/image.h"
 #include "livemvs/core/options.h"
 
@@ -41,7 +42,15 @@ struct UpdateStatistics {
   }
 };
 
-/// Runs step 2 of Algorithm 1 on a device. Threads are those of the caller's oneTBB arena.
+/// The device failed, or there is none: what() says why, and what to do. Its seeds are lost.
+class DeviceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The seeds of Algorithm 1, where a device has them, and step 2, which runs there. Seeds lie in
+/// slots 0, 1, 2 ... in the order in which they were appended; which of them are a group, the
+/// caller knows. Threads are those of the caller's oneTBB arena. Not thread-safe.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -49,20 +58,40 @@ class Backend {
   /// For people: "CPU, AVX2".
   virtual std::string name() const = 0;
 
+  /// Slots in all: Options::max_seeds.
+  virtual std::size_t capacity() const = 0;
+
+  // All functions throw DeviceError where the device fails.
+
+  /// Puts newborn seeds behind those that are there; all start with the same posterior.
+  /// @throws std::length_error where there would be more than the capacity.
+  virtual void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) = 0;
+
   /// Meets all seeds of the groups with the current frame: project, match, fuse, judge. Writes
   /// their posterior, counts and fate. All groups' cameras have the model `model`.
   /// @param pyramid  The current frame, halved from level to level.
-  virtual UpdateStatistics Update(const SeedColumns& seeds,
-                                  const std::vector<SeedGroup>& groups,
+  virtual UpdateStatistics Update(const std::vector<SeedGroup>& groups,
                                   CameraModel model,
                                   std::span<const ImageView<std::uint8_t>> pyramid) = 0;
 
+  /// Gives the seeds whose fate was decided and was not given before, in the order of their slots,
+  /// and counts them as removed. Valid until the next call of any function.
+  virtual std::span<const EndedSeed> TakeEnded() = 0;
+
+  /// Closes the gaps that removed seeds left; the order is kept.
+  virtual void Compact() = 0;
+
   /// Sets the pixels to 1 that the living seeds of the groups project to, in the picture of their
-  /// level.
-  virtual void MarkPlaces(const SeedColumns& seeds,
-                          const std::vector<SeedGroup>& groups,
+  /// level. The pictures are all 0 before.
+  virtual void MarkPlaces(const std::vector<SeedGroup>& groups,
                           CameraModel model,
                           std::span<Image<std::uint8_t>> marks) = 0;
+
+  /// The seeds in the slots begin, begin + step ... below end: for looking at them.
+  virtual std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) = 0;
+
+  /// The patches of slots [begin, end), kPatchPixels each, row-major: for looking at them.
+  virtual std::vector<std::uint8_t> ReadPatches(std::size_t begin, std::size_t end) = 0;
 };
 
 /// An environment variable with the name of the instruction set to use, for tests and comparisons:
@@ -72,5 +101,9 @@ inline constexpr const char* kInstructionsVariable = "LIVEMVS_INSTRUCTIONS";
 /// The CPU backend, for the fastest instructions that the processor has. Options are copied.
 /// @throws std::invalid_argument where the environment asks for instructions that it has not.
 std::unique_ptr<Backend> MakeCpuBackend(const Options& options);
+
+/// The backend that Options::backend asks for; with kAuto the CPU where the GPU cannot be used.
+/// @throws DeviceError where it asks for a GPU that cannot be used.
+std::unique_ptr<Backend> MakeBackend(const Options& options);
 
 }  // namespace livemvs

@@ -24,6 +24,8 @@ constexpr EnumName<OutlierDensity> kDensities[] = {{OutlierDensity::kRange, "ran
                                                    {OutlierDensity::kWindow, "window"}};
 constexpr EnumName<Search> kSearches[] = {
     {Search::kAuto, "auto"}, {Search::kWindow, "window"}, {Search::kFull, "full"}};
+constexpr EnumName<BackendChoice> kBackends[] = {
+    {BackendChoice::kCpu, "cpu"}, {BackendChoice::kCuda, "cuda"}, {BackendChoice::kAuto, "auto"}};
 
 template <typename T>
 bool ParseNumber(const std::string& text, T* value) {
@@ -60,6 +62,9 @@ bool Parse(const std::string& text, OutlierDensity* value) {
   return ParseEnum(kDensities, text, value);
 }
 bool Parse(const std::string& text, Search* value) { return ParseEnum(kSearches, text, value); }
+bool Parse(const std::string& text, BackendChoice* value) {
+  return ParseEnum(kBackends, text, value);
+}
 
 template <typename T>
 std::string Print(T value) {
@@ -70,6 +75,7 @@ std::string Print(T value) {
 std::string Print(DepthCoordinate value) { return NameOf(kCoordinates, value); }
 std::string Print(OutlierDensity value) { return NameOf(kDensities, value); }
 std::string Print(Search value) { return NameOf(kSearches, value); }
+std::string Print(BackendChoice value) { return NameOf(kBackends, value); }
 
 }  // namespace
 

@@ -24,6 +24,13 @@ enum class Search {
   kFull  ///< All of the posterior's interval, with several hypotheses per pixel: for photographs.
 };
 
+/// What the seeds live and are updated on.
+enum class BackendChoice {
+  kCpu,
+  kCuda,  ///< An NVIDIA GPU.
+  kAuto   ///< The GPU where there is one that can be used, else the CPU.
+};
+
 /// Every number of the method, with its symbol in [VH11] where it has one. Lengths along the line
 /// are in pixels of the current image; nothing depends on the scene's unit.
 struct Options {
@@ -126,6 +133,9 @@ struct Options {
   /// Worker threads; 0: all cores. Results do not depend on it.
   int threads = 0;
 
+  /// Results do not depend on it, but for the last bits with fisheye lenses.
+  BackendChoice backend = BackendChoice::kCpu;
+
   /// @throws std::invalid_argument naming the option and its value.
   void Check() const;
 };
@@ -171,10 +181,12 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("regularise_px", o.regularise_px);
   visit("min_support", o.min_support);
   visit("threads", o.threads);
+  visit("backend", o.backend);
 }
 
 /// Sets an option from text: numbers, or the enumerators "depth", "inverse-depth"; "range",
-/// "window"; "auto", "window", "full". @throws std::invalid_argument naming option and value.
+/// "window"; "auto", "window", "full"; "cpu",
+/// "cuda", "auto". @throws std::invalid_argument naming option and value.
 void SetOption(Options* options, const std::string& name, const std::string& value);
 
 /// The option's value as SetOption takes it. @throws std::invalid_argument for an unknown name.

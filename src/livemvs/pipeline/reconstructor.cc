@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 
+#include "livemvs/core/log.h"
 #include "livemvs/pipeline/seed_groups.h"
 
 namespace livemvs {
@@ -34,22 +34,9 @@ int PlantEvery(const Options& options) {
   return options.search == Search::kFull ? 1 : 3;
 }
 
-const Options& Checked(const Options& options) {
+std::unique_ptr<Backend> MakeCheckedBackend(const Options& options) {
   options.Check();
-  return options;
-}
-
-// The first seed from i on that is not simply alive, or `end`.
-std::size_t SkipAlive(const Fate* fate, std::size_t i, std::size_t end) {
-  static_assert(sizeof(Fate) == 1 && static_cast<int>(Fate::kAlive) == 0);
-  std::uint64_t eight = 0;
-  while (i + sizeof eight <= end) {
-    std::memcpy(&eight, fate + i, sizeof eight);
-    if (eight != 0) break;
-    i += sizeof eight;
-  }
-  while (i < end && fate[i] == Fate::kAlive) ++i;
-  return i;
+  return MakeBackend(options);
 }
 
 }  // namespace
@@ -62,11 +49,17 @@ struct Reconstructor::Workers {
 Reconstructor::~Reconstructor() = default;
 
 Reconstructor::Reconstructor(const Options& options, const SceneRange& range)
-    : options_(Checked(options)),
+    : Reconstructor(options, range, MakeCheckedBackend(options)) {}
+
+Reconstructor::Reconstructor(const Options& options,
+                             const SceneRange& range,
+                             std::unique_ptr<Backend> backend)
+    : options_(options),
       workers_(std::make_unique<Workers>(options.threads)),
-      pool_(static_cast<std::size_t>(options.max_seeds)),
-      spawner_(options, range),
-      backend_(MakeCpuBackend(options)) {}
+      pool_(std::move(backend)),
+      spawner_(options, range) {
+  options.Check();
+}
 
 std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
   if (frame.picture == nullptr) throw std::invalid_argument(frame.name + ": has no picture");
@@ -79,8 +72,19 @@ std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
     throw std::invalid_argument(frame.name + ": the picture is not of the size of its camera");
   }
   const std::size_t points_before = points_.size();
-  workers_->arena.execute([&] { RunAlgorithm(frame); });
+  try {
+    workers_->arena.execute([&] { RunAlgorithm(frame); });
+  } catch (const DeviceError& e) {
+    if (options_.backend != BackendChoice::kAuto) throw;
+    GoOnWithCpu(e);
+  }
   return std::span<const Point>(points_).subspan(points_before);
+}
+
+void Reconstructor::GoOnWithCpu(const DeviceError& error) {
+  LogWarning(std::string(error.what()) + "; the CPU goes on, with new seeds");
+  pool_ = SeedPool(MakeCpuBackend(options_));
+  frames_to_wait_ = 0;
 }
 
 void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
@@ -97,51 +101,44 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.update_seconds);
   const std::vector<SeedGroup> groups =
       MakeGroups(pool_.references(), frame.camera, frame.cam_from_world, pyramid_.levels().size());
-  statistics_.updates +=
-      backend_->Update(pool_.columns(), groups, frame.camera.model, pyramid_.levels());
+  statistics_.updates += pool_.backend().Update(groups, frame.camera.model, pyramid_.levels());
 }
 
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.collect_seconds);
   const Projector projector(frame.camera);
-  for (const ReferenceFrame& reference : pool_.references()) {
-    for (std::size_t i = reference.begin; i < reference.end; ++i) {
-      i = SkipAlive(pool_.columns().fate, i, reference.end);
-      if (i == reference.end) break;
-      switch (pool_.columns().fate[i]) {
-        case Fate::kAlive:
-        case Fate::kRemoved:
-          continue;
-        case Fate::kConverged:
-          Convert(reference, i, frame, projector);
-          break;
-        case Fate::kOutlier:
-          ++statistics_.rejected_outlier;
-          break;
-        case Fate::kAged:
-          ++statistics_.rejected_aged;
-          break;
-        case Fate::kUnseen:
-          ++statistics_.rejected_unseen;
-          break;
-        case Fate::kLeftInterval:
-          ++statistics_.rejected_left_interval;
-          break;
-      }
-      if (observer_ != nullptr) observer_->OnSeed(RecordOf(reference, i));
-      pool_.Remove(i);
+  pool_.TakeEnded([&](const ReferenceFrame& reference, const SeedState& seed) {
+    switch (seed.fate) {
+      case Fate::kAlive:
+      case Fate::kRemoved:
+        break;
+      case Fate::kConverged:
+        Convert(reference, seed, frame, projector);
+        break;
+      case Fate::kOutlier:
+        ++statistics_.rejected_outlier;
+        break;
+      case Fate::kAged:
+        ++statistics_.rejected_aged;
+        break;
+      case Fate::kUnseen:
+        ++statistics_.rejected_unseen;
+        break;
+      case Fate::kLeftInterval:
+        ++statistics_.rejected_left_interval;
+        break;
     }
-  }
+    if (observer_ != nullptr) observer_->OnSeed(RecordOf(reference, seed));
+  });
 }
 
 void Reconstructor::Convert(const ReferenceFrame& reference,
-                            std::size_t i,
+                            const SeedState& seed,
                             const PosedFrame& frame,
                             const Projector& projector) {
-  const SeedColumns& s = pool_.columns();
-  const Eigen::Vector3d bearing = Eigen::Vector3d(s.bearing_x[i], s.bearing_y[i], 1).normalized();
-  const DepthEstimate<float> z =
-      DepthOf<float>(options_.coordinate, {s.c0[i], s.c1[i]}, s.mu[i], s.sigma2[i]);
+  const Posterior<float>& q = seed.posterior;
+  const Eigen::Vector3d bearing = Eigen::Vector3d(seed.bearing_x, seed.bearing_y, 1).normalized();
+  const DepthEstimate<float> z = DepthOf<float>(options_.coordinate, seed.interval, q.mu, q.sigma2);
   const Rigid3d world_from_ref = reference.cam_from_world.Inverse();
   const Eigen::Vector3d position = world_from_ref * (bearing * static_cast<double>(z.depth));
   const Eigen::Vector3d in_cur = frame.cam_from_world * position;
@@ -149,8 +146,8 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   point.position = position.cast<float>();
   point.normal = -(world_from_ref.rotation * bearing).cast<float>();
   point.sigma = z.sigma;
-  point.inlier_ratio = s.a[i] / (s.a[i] + s.b[i]);
-  point.views = s.counts[i].views;
+  point.inlier_ratio = q.a / (q.a + q.b);
+  point.views = seed.counts.views;
   point.footprint = z.depth / static_cast<float>(reference.camera.FocalLength());
   point.frame = FrameNumber(frame.index);
   if (const auto pixel = projector.Project(in_cur)) {
@@ -164,24 +161,23 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
   ++statistics_.seeds_converged;
 }
 
-SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, std::size_t i) const {
-  const SeedColumns& s = pool_.columns();
+SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, const SeedState& seed) const {
   const Camera& camera = reference.camera;
   SeedRecord record;
   record.birth_frame = reference.frame_index;
   VisitModel(camera.model, [&](auto model) {
     const auto p = decltype(model)::template Distort<double>(
-        camera.distortion.data(), s.bearing_x[i], s.bearing_y[i]);
+        camera.distortion.data(), seed.bearing_x, seed.bearing_y);
     const double scale = std::ldexp(1.0, reference.level);  // see AtLevel()
     record.x = static_cast<float>((camera.fx * p.x + camera.cx + 0.5) * scale - 0.5);
     record.y = static_cast<float>((camera.fy * p.y + camera.cy + 0.5) * scale - 0.5);
   });
   record.level = static_cast<std::uint8_t>(reference.level);
   record.end_frame = last_frame_;
-  record.fate = s.fate[i];
-  record.views = s.counts[i].views;
+  record.fate = seed.fate;
+  record.views = seed.counts.views;
   const DepthEstimate<float> z =
-      DepthOf<float>(options_.coordinate, {s.c0[i], s.c1[i]}, s.mu[i], s.sigma2[i]);
+      DepthOf<float>(options_.coordinate, seed.interval, seed.posterior.mu, seed.posterior.sigma2);
   // A mean that wandered off its interval may be beyond infinity.
   if (z.depth > 0 && std::isfinite(z.depth) && std::isfinite(z.sigma)) {
     record.depth = z.depth;
@@ -192,11 +188,9 @@ SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, std::size_t 
 
 void Reconstructor::ReportLiveSeeds() {
   if (observer_ == nullptr) return;
-  for (const ReferenceFrame& reference : pool_.references()) {
-    for (std::size_t i = reference.begin; i < reference.end; ++i) {
-      if (pool_.columns().fate[i] == Fate::kAlive) observer_->OnSeed(RecordOf(reference, i));
-    }
-  }
+  pool_.ForEachAlive(1, [&](const ReferenceFrame& reference, const SeedState& seed) {
+    observer_->OnSeed(RecordOf(reference, seed));
+  });
 }
 
 void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
@@ -207,8 +201,7 @@ void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
   }
   if (static_cast<double>(pool_.free_slots()) < kFreeShare * options_.max_seeds) return;
   frames_to_wait_ = PlantEvery(options_) - 1;
-  statistics_.seeds_spawned +=
-      spawner_.Spawn(frame, pyramid_.levels(), points_, backend_.get(), &pool_);
+  statistics_.seeds_spawned += spawner_.Spawn(frame, pyramid_.levels(), points_, &pool_);
 }
 
 }  // namespace livemvs

@@ -40,12 +40,17 @@ struct ReconstructionStatistics {
 class Reconstructor {
  public:
   /// @throws std::invalid_argument naming the option that is out of its range.
+  /// @throws DeviceError where Options::backend is a GPU that cannot be used.
   Reconstructor(const Options& options, const SceneRange& range);
+  /// On another backend than the options'.
+  Reconstructor(const Options& options, const SceneRange& range, std::unique_ptr<Backend> backend);
   ~Reconstructor();
 
   /// Runs Algorithm 1 on one frame and returns the points that converged in it; valid until the
-  /// next call.
+  /// next call. Where the GPU fails and Options::backend is kAuto, the CPU goes on: the points
+  /// stay, the seeds are planted anew.
   /// @throws std::invalid_argument where the picture's size is not its camera's.
+  /// @throws DeviceError where the GPU fails otherwise; the points stay.
   std::span<const Point> AddFrame(const PosedFrame& frame);
 
   /// Tells `observer`, which must outlive the reconstruction, of every seed that ends from now on;
@@ -70,27 +75,27 @@ class Reconstructor {
   /// The live seeds, until the next call of AddFrame(): for looking at them.
   const SeedPool& pool() const { return pool_; }
   const ReconstructionStatistics& statistics() const { return statistics_; }
-  std::string backend_name() const { return backend_->name(); }
+  std::string backend_name() const { return pool_.backend().name(); }
 
  private:
   struct Workers;  // the threads, options.threads of them
 
   void RunAlgorithm(const PosedFrame& frame);
+  void GoOnWithCpu(const DeviceError& error);
   void SpawnSeeds(const PosedFrame& frame);
   void UpdateSeeds(const PosedFrame& frame);
   void CollectSeeds(const PosedFrame& frame);
   void Convert(const ReferenceFrame& reference,
-               std::size_t i,
+               const SeedState& seed,
                const PosedFrame& frame,
                const Projector& projector);
-  SeedRecord RecordOf(const ReferenceFrame& reference, std::size_t i) const;
+  SeedRecord RecordOf(const ReferenceFrame& reference, const SeedState& seed) const;
 
   Options options_;
   std::unique_ptr<Workers> workers_;
   SeedPool pool_;
   Pyramid pyramid_;
   Spawner spawner_;
-  std::unique_ptr<Backend> backend_;
   PointCloud points_;
   ReconstructionStatistics statistics_;
   SeedObserver* observer_ = nullptr;

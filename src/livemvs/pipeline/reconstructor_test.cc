@@ -6,7 +6,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
+#include <memory>
 
+#include "livemvs/backend/cuda/cuda_backend.h"
 #include "livemvs/reference/algorithm1.h"
 #include "plane_scene.h"
 
@@ -303,6 +305,87 @@ TEST(ReconstructorTest, WrongSizesAndOptionsAreRefused) {
   options.prior_a = 0;
   EXPECT_THROW(Reconstructor(options, NearFar()), std::invalid_argument);
   EXPECT_THROW(Reconstructor(TestOptions(), SceneRange{}), std::invalid_argument);
+}
+
+// The CPU, but that it fails in one of the frames, as a GPU that is lost.
+class FailingBackend final : public Backend {
+ public:
+  FailingBackend(const Options& options, int frames_before)
+      : cpu_(MakeCpuBackend(options)), frames_before_(frames_before) {}
+
+  std::string name() const override { return "failing"; }
+  std::size_t capacity() const override { return cpu_->capacity(); }
+  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) override {
+    cpu_->Append(seeds, prior);
+  }
+  UpdateStatistics Update(const std::vector<SeedGroup>& groups,
+                          CameraModel model,
+                          std::span<const ImageView<std::uint8_t>> pyramid) override {
+    if (frames_before_-- == 0) throw DeviceError("GPU: update seeds: it is gone");
+    return cpu_->Update(groups, model, pyramid);
+  }
+  std::span<const EndedSeed> TakeEnded() override { return cpu_->TakeEnded(); }
+  void Compact() override { cpu_->Compact(); }
+  void MarkPlaces(const std::vector<SeedGroup>& groups,
+                  CameraModel model,
+                  std::span<Image<std::uint8_t>> marks) override {
+    cpu_->MarkPlaces(groups, model, marks);
+  }
+  std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) override {
+    return cpu_->Read(begin, end, step);
+  }
+  std::vector<std::uint8_t> ReadPatches(std::size_t begin, std::size_t end) override {
+    return cpu_->ReadPatches(begin, end);
+  }
+
+ private:
+  std::unique_ptr<Backend> cpu_;
+  int frames_before_;
+};
+
+TEST(ReconstructorTest, WhereTheDeviceIsLostTheCpuGoesOn) {
+  constexpr int kLostAt = 20;
+  Options options = TestOptions();
+  options.backend = BackendChoice::kAuto;
+  Reconstructor reconstructor(
+      options, NearFar(), std::make_unique<FailingBackend>(options, kLostAt));
+  std::size_t before = 0;
+  for (int f = 0; f < kFrames; ++f) {
+    reconstructor.AddFrame(PlaneFrames()[static_cast<std::size_t>(f)]);
+    if (f + 1 == kLostAt) before = reconstructor.points().size();
+    if (f == kLostAt) {
+      EXPECT_EQ(reconstructor.points().size(), before) << "what there is, stays";
+      EXPECT_EQ(reconstructor.live_seeds(), 0U);
+    }
+  }
+  EXPECT_GT(before, 0U);
+  EXPECT_TRUE(reconstructor.backend_name().starts_with("CPU"));
+  EXPECT_GT(reconstructor.live_seeds(), 0U) << "seeds are planted anew";
+  EXPECT_GT(reconstructor.points().size(), before);
+}
+
+TEST(ReconstructorTest, WhereTheGpuWasAskedForItsLossIsAnError) {
+  constexpr int kLostAt = 20;
+  Options options = TestOptions();
+  Reconstructor reconstructor(
+      options, NearFar(), std::make_unique<FailingBackend>(options, kLostAt));
+  for (int f = 0; f < kLostAt; ++f) {
+    reconstructor.AddFrame(PlaneFrames()[static_cast<std::size_t>(f)]);
+  }
+  const std::size_t before = reconstructor.points().size();
+  EXPECT_THROW(reconstructor.AddFrame(PlaneFrames()[kLostAt]), DeviceError);
+  EXPECT_EQ(reconstructor.TakePoints().size(), before);
+}
+
+TEST(ReconstructorTest, TheGpuGivesTheSameCloud) {
+  const CudaDevices found = FindCudaDevices();
+  if (found.devices.empty()) GTEST_SKIP() << found.trouble;
+  Options options = TestOptions();
+  const Result cpu = Reconstruct(options, NearFar(), PlaneFrames());
+  options.backend = BackendChoice::kCuda;
+  const Result gpu = Reconstruct(options, NearFar(), PlaneFrames());
+  EXPECT_GT(cpu.points.size(), 300U);
+  EXPECT_TRUE(Identical(cpu.points, gpu.points));
 }
 
 // Half of the plane has no texture, only noise that differs from frame to frame.

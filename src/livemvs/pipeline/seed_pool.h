@@ -1,46 +1,45 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
-#include "livemvs/backend/seed_columns.h"
+#include "livemvs/backend/backend.h"
 #include "livemvs/core/camera.h"
 #include "livemvs/core/pose.h"
 
 namespace livemvs {
 
-/// A seed at its birth.
-struct NewSeed {
-  Interval<float> interval;
-  float bearing_x;
-  float bearing_y;
-  const std::uint8_t* patch;  ///< Centre pixel in the grey image ...
-  std::ptrdiff_t stride;      ///< ... whose rows are this far apart.
-};
-
 /// Seeds born in the same frame at the same level of its pyramid: entries [begin, end) of the pool.
 struct ReferenceFrame {
   std::size_t begin;
   std::size_t end;
+  std::size_t alive;  ///< Of them.
   std::int64_t frame_index;
   int level;
   Camera camera;  ///< At that level.
   Rigid3d cam_from_world;
 };
 
-/// The M seeds of Algorithm 1 as structure of arrays, grouped by reference frame in order of birth.
-/// Memory is allocated once. Not thread-safe.
+/// The M seeds of Algorithm 1, grouped by reference frame in order of birth. Their state is the
+/// backend's. Not thread-safe.
 class SeedPool {
  public:
-  explicit SeedPool(std::size_t capacity);
+  /// @param backend  Has no seeds yet; those it gets are the pool's alone.
+  explicit SeedPool(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
 
-  std::size_t capacity() const { return capacity_; }
+  /// For what is done to the seeds where they are.
+  Backend& backend() const { return *backend_; }
+
+  /// [VH11] M.
+  std::size_t capacity() const { return backend_->capacity(); }
   /// Seeds alive. [VH11] S.
   std::size_t size() const { return alive_; }
   /// Of which those that removed seeds left are usable after Compact() only.
-  std::size_t free_slots() const { return capacity_ - alive_; }
+  std::size_t free_slots() const { return capacity() - alive_; }
   const std::vector<ReferenceFrame>& references() const { return references_; }
-  const SeedColumns& columns() const { return columns_; }
 
   /// Opens a new group; Add() appends to it.
   void BeginReference(std::int64_t frame_index,
@@ -48,31 +47,52 @@ class SeedPool {
                       const Camera& camera,
                       const Rigid3d& cam_from_world);
 
-  /// Closes the group; one without seeds goes.
-  void EndReference();
+  /// Appends a seed, whose patch is there until the group closes; the pool must have a free slot.
+  void Add(const NewSeed& seed);
 
-  /// Appends a seed with the posterior `prior`; the pool must have a free slot.
-  void Add(const NewSeed& seed, const Posterior<float>& prior);
+  /// Closes the group: its seeds start with that posterior. A group without seeds goes.
+  void EndReference(const Posterior<float>& prior);
 
-  /// Marks seed i as gone; its slot is free after the next Compact().
-  void Remove(std::size_t i);
+  /// Calls f(reference, seed) for the seeds that ended, in order; their slots are free after the
+  /// next Compact().
+  template <typename F>
+  void TakeEnded(const F& f) {
+    auto reference = references_.begin();
+    for (const EndedSeed& ended : backend_->TakeEnded()) {
+      while (ended.slot >= reference->end) ++reference;
+      --reference->alive;
+      --alive_;
+      f(*reference, ended.seed);
+    }
+  }
 
   /// Closes the gaps that removed seeds left; order is kept, empty groups go.
   void Compact();
 
- private:
-  template <typename T>
-  T* Column(std::vector<std::vector<std::byte>>& storage,
-            std::size_t per_seed,
-            std::size_t padding);
-  void Move(std::size_t from, std::size_t to);
+  /// Calls f(reference, seed) for every step-th of the slots whose seed is alive, in order: for
+  /// looking at them.
+  template <typename F>
+  void ForEachAlive(std::size_t step, const F& f) const {
+    for (const ReferenceFrame& reference : references_) {
+      const std::size_t first = (reference.begin + step - 1) / step * step;
+      if (first >= reference.end) continue;
+      for (const SeedState& seed : backend_->Read(first, reference.end, step)) {
+        if (seed.fate == Fate::kAlive) f(reference, seed);
+      }
+    }
+  }
 
-  std::size_t capacity_;
+  /// The patches of a group's seeds, removed ones too, kPatchPixels each: for looking at them.
+  std::vector<std::uint8_t> Patches(const ReferenceFrame& reference) const {
+    return backend_->ReadPatches(reference.begin, reference.end);
+  }
+
+ private:
+  std::unique_ptr<Backend> backend_;
   std::size_t end_ = 0;  // one past the last slot in use
   std::size_t alive_ = 0;
   std::vector<ReferenceFrame> references_;
-  std::vector<std::vector<std::byte>> storage_;
-  SeedColumns columns_;
+  std::vector<NewSeed> born_;  // of the open group
 };
 
 }  // namespace livemvs

@@ -4,78 +4,107 @@
 
 #include <array>
 
+#include "livemvs/backend/backend.h"
+#include "plane_scene.h"
+
 namespace livemvs {
 namespace {
 
-// A pool in which seed number n carries n in all of its columns.
+constexpr std::size_t kCapacity = 10;
+
+Options SmallPool() {
+  Options options = testing_support::TestOptions();
+  options.max_seeds = kCapacity;
+  options.max_unseen = 1;
+  return options;
+}
+
+// A pool whose seeds carry their number as bearing.
 class SeedPoolTest : public ::testing::Test {
  protected:
-  void Add(int n) {
-    std::array<std::uint8_t, 8 * kPatchSize> image{};
-    for (int r = 0; r < kPatchSize; ++r) {
-      for (int c = 0; c < kPatchSize; ++c) {
-        image[r * 8 + c] = static_cast<std::uint8_t>(n + r * kPatchSize + c);
-      }
+  void Plant(std::int64_t frame, int first, int end) {
+    pool_.BeginReference(frame, 0, scene_.camera, Rigid3d{});
+    for (int n = first; n < end; ++n) {
+      pool_.Add({{0.5F, 1.5F},
+                 static_cast<float>(n),
+                 0,
+                 &image_[kPatchRadius * kPatchSize + kPatchRadius],
+                 kPatchSize});
     }
-    const auto f = static_cast<float>(n);
-    const NewSeed seed = {{f + 1, f + 2}, f + 3, f + 4, &image[kPatchRadius * 8 + kPatchRadius], 8};
-    pool_.Add(seed, {f + 5, f + 6, f + 7, f + 8});
+    pool_.EndReference({0.5F, 0.04F, 5, 5});
   }
 
-  void ExpectSeed(std::size_t i, int n) const {
-    const SeedColumns& s = pool_.columns();
-    const auto f = static_cast<float>(n);
-    EXPECT_EQ(s.c0[i], f + 1);
-    EXPECT_EQ(s.c1[i], f + 2);
-    EXPECT_EQ(s.bearing_x[i], f + 3);
-    EXPECT_EQ(s.bearing_y[i], f + 4);
-    EXPECT_EQ(s.mu[i], f + 5);
-    EXPECT_EQ(s.sigma2[i], f + 6);
-    EXPECT_EQ(s.a[i], f + 7);
-    EXPECT_EQ(s.b[i], f + 8);
-    EXPECT_EQ(s.fate[i], Fate::kAlive);
-    for (int k = 0; k < kPatchPixels; ++k) EXPECT_EQ(s.patch[i * kPatchPixels + k], n + k);
+  // Ends the seeds in slots [begin, end): they meet a frame that sees none of them.
+  void End(std::size_t begin, std::size_t end) {
+    const Rigid3d away{Eigen::Matrix3d::Identity(), {0, 0, -10}};
+    SeedGroup group{};
+    group.begin = begin;
+    group.end = end;
+    group.view = MakeRelativeView<float>(scene_.camera, Rigid3d{}, scene_.camera, away);
+    group.pixel_width = 1e-3F;
+    const Image<std::uint8_t> grey(scene_.camera.width, scene_.camera.height);
+    const ImageView<std::uint8_t> pyramid[] = {grey.view()};
+    const UpdateStatistics statistics =
+        pool_.backend().Update({group}, scene_.camera.model, pyramid);
+    EXPECT_EQ(statistics.out_of_view, static_cast<std::int64_t>(end - begin));
   }
 
-  void Begin(std::int64_t frame) { pool_.BeginReference(frame, 0, Camera{}, Rigid3d{}); }
+  std::vector<std::pair<std::int64_t, int>> TakeEnded() {
+    std::vector<std::pair<std::int64_t, int>> ended;
+    pool_.TakeEnded([&](const ReferenceFrame& reference, const SeedState& seed) {
+      EXPECT_EQ(seed.fate, Fate::kUnseen);
+      ended.emplace_back(reference.frame_index, static_cast<int>(seed.bearing_x));
+    });
+    return ended;
+  }
 
-  SeedPool pool_{10};
+  std::vector<std::pair<std::int64_t, int>> Alive(std::size_t step = 1) const {
+    std::vector<std::pair<std::int64_t, int>> alive;
+    pool_.ForEachAlive(step, [&](const ReferenceFrame& reference, const SeedState& seed) {
+      alive.emplace_back(reference.frame_index, static_cast<int>(seed.bearing_x));
+    });
+    return alive;
+  }
+
+  using Seeds = std::vector<std::pair<std::int64_t, int>>;
+
+  testing_support::PlaneScene scene_;
+  std::array<std::uint8_t, kPatchPixels> image_{};
+  SeedPool pool_{MakeCpuBackend(SmallPool())};
 };
 
 TEST_F(SeedPoolTest, KeepsOrderAndGroupsWhenGapsClose) {
-  Begin(3);
-  for (int n = 0; n < 4; ++n) Add(n);
-  Begin(5);
-  for (int n = 4; n < 6; ++n) Add(n);
-  Begin(8);
-  for (int n = 6; n < 10; ++n) Add(n);
+  Plant(3, 0, 4);
+  Plant(5, 4, 6);
+  Plant(8, 6, 10);
   EXPECT_EQ(pool_.size(), 10U);
   EXPECT_EQ(pool_.free_slots(), 0U);
-  for (const std::size_t i : {0, 2, 4, 5, 9}) pool_.Remove(i);
+  End(1, 3);
+  End(4, 7);
+  EXPECT_EQ(TakeEnded(), (Seeds{{3, 1}, {3, 2}, {5, 4}, {5, 5}, {8, 6}}));
+  EXPECT_TRUE(TakeEnded().empty());
   EXPECT_EQ(pool_.size(), 5U);
   EXPECT_EQ(pool_.free_slots(), 5U);
+  const Seeds left = {{3, 0}, {3, 3}, {8, 7}, {8, 8}, {8, 9}};
+  EXPECT_EQ(Alive(), left);
   pool_.Compact();
-  EXPECT_EQ(pool_.free_slots(), 5U);
+  EXPECT_EQ(Alive(), left);
+  EXPECT_EQ(Alive(2), (Seeds{{3, 0}, {8, 7}, {8, 9}}));
   ASSERT_EQ(pool_.references().size(), 2U) << "the group without seeds is gone";
-  EXPECT_EQ(pool_.references()[0].frame_index, 3);
   EXPECT_EQ(pool_.references()[0].begin, 0U);
   EXPECT_EQ(pool_.references()[0].end, 2U);
-  EXPECT_EQ(pool_.references()[1].frame_index, 8);
   EXPECT_EQ(pool_.references()[1].begin, 2U);
   EXPECT_EQ(pool_.references()[1].end, 5U);
-  const int expected[] = {1, 3, 6, 7, 8};
-  for (std::size_t i = 0; i < 5; ++i) ExpectSeed(i, expected[i]);
-  Begin(9);
-  Add(40);
-  ExpectSeed(5, 40);
+  Plant(9, 40, 41);
+  EXPECT_EQ(Alive().back(), (std::pair<std::int64_t, int>{9, 40}));
   EXPECT_EQ(pool_.size(), 6U);
 }
 
 TEST_F(SeedPoolTest, EmptiesAndFillsAgain) {
   for (int round = 0; round < 3; ++round) {
-    Begin(round);
-    for (int n = 0; n < 10; ++n) Add(n);
-    for (std::size_t i = 0; i < 10; ++i) pool_.Remove(i);
+    Plant(round, 0, 10);
+    End(0, 10);
+    EXPECT_EQ(TakeEnded().size(), 10U);
     pool_.Compact();
     EXPECT_EQ(pool_.size(), 0U);
     EXPECT_EQ(pool_.free_slots(), 10U);
@@ -83,12 +112,9 @@ TEST_F(SeedPoolTest, EmptiesAndFillsAgain) {
   }
 }
 
-TEST_F(SeedPoolTest, NewSeedsHaveMetNoFrame) {
-  Begin(0);
-  Add(1);
-  EXPECT_EQ(pool_.columns().counts[0].age, 0);
-  EXPECT_EQ(pool_.columns().counts[0].views, 0);
-  EXPECT_EQ(pool_.columns().counts[0].unseen, 0);
+TEST_F(SeedPoolTest, AGroupWithoutSeedsIsNone) {
+  Plant(1, 0, 0);
+  EXPECT_TRUE(pool_.references().empty());
 }
 
 }  // namespace

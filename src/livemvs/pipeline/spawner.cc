@@ -65,14 +65,13 @@ Spawner::Spawner(const Options& options, const SceneRange& range)
 std::int64_t Spawner::Spawn(const PosedFrame& frame,
                             std::span<const ImageView<std::uint8_t>> pyramid,
                             const PointCloud& points,
-                            Backend* backend,
                             SeedPool* pool) {
   pool->Compact();
   coverage_.Reset(pyramid);
   if (options_.cover_radius_px >= 0) {
     const std::vector<SeedGroup> groups =
         MakeGroups(pool->references(), frame.camera, frame.cam_from_world, pyramid.size());
-    backend->MarkPlaces(pool->columns(), groups, frame.camera.model, coverage_.marks());
+    pool->backend().MarkPlaces(groups, frame.camera.model, coverage_.marks());
     coverage_.MarkPoints(frame, points);
   }
   std::int64_t planted = 0;
@@ -110,7 +109,8 @@ std::int64_t Spawner::Plant(const View& view, SeedPool* pool) {
                             : kBolder * offers_per_seed;
     offers_per_seed = std::clamp(next, 1.0, kMostOffers);
   }
-  pool->EndReference();
+  constexpr float kSigma = 0.5F / kSigmas99;
+  pool->EndReference({0.5F, kSigma * kSigma, options_.prior_a, options_.prior_b});
   return planted;
 }
 
@@ -163,8 +163,7 @@ bool Spawner::PlantOne(
   seed.bearing_y = static_cast<float>(ray->y());
   seed.patch = &view.grey(x, y);
   seed.stride = view.grey.stride;
-  constexpr float kSigma = 0.5F / kSigmas99;
-  pool->Add(seed, {0.5F, kSigma * kSigma, options_.prior_a, options_.prior_b});
+  pool->Add(seed);
   return true;
 }
 

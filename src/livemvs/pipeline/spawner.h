@@ -30,7 +30,6 @@ class Spawner {
   std::int64_t Spawn(const PosedFrame& frame,
                      std::span<const ImageView<std::uint8_t>> pyramid,
                      const PointCloud& points,
-                     Backend* backend,
                      SeedPool* pool);
 
   /// The points of the next call are others than those before.

@@ -23,6 +23,18 @@ SceneRange NearFar() {
   return range;
 }
 
+SeedPool PoolOf(std::size_t slots) {
+  Options options;
+  options.max_seeds = static_cast<int>(slots);
+  return SeedPool(MakeCpuBackend(options));
+}
+
+std::vector<SeedState> SeedsOf(const SeedPool& pool) {
+  std::vector<SeedState> seeds;
+  pool.ForEachAlive(1, [&](const ReferenceFrame&, const SeedState& s) { seeds.push_back(s); });
+  return seeds;
+}
+
 class SpawnerTest : public ::testing::Test {
  protected:
   std::int64_t Spawn(Spawner&& spawner, const PointCloud& points, SeedPool* pool) const {
@@ -31,15 +43,14 @@ class SpawnerTest : public ::testing::Test {
   std::int64_t Spawn(Spawner& spawner, const PointCloud& points, SeedPool* pool) const {
     Pyramid pyramid;
     pyramid.Build(frame_.picture->grey, options_.levels);
-    return spawner.Spawn(frame_, pyramid.levels(), points, MakeCpuBackend(options_).get(), pool);
+    return spawner.Spawn(frame_, pyramid.levels(), points, pool);
   }
 
   // Pixels of the pool's seeds in their own frame.
   std::vector<Eigen::Vector2i> Pixels(const SeedPool& pool) const {
     std::vector<Eigen::Vector2i> pixels;
-    for (std::size_t i = 0; i < pool.size(); ++i) {
-      const auto p = Projector(frame_.camera)
-                         .Project({pool.columns().bearing_x[i], pool.columns().bearing_y[i], 1});
+    for (const SeedState& s : SeedsOf(pool)) {
+      const auto p = Projector(frame_.camera).Project({s.bearing_x, s.bearing_y, 1});
       pixels.emplace_back(std::lround(p->x()), std::lround(p->y()));
     }
     return pixels;
@@ -51,27 +62,27 @@ class SpawnerTest : public ::testing::Test {
 };
 
 TEST_F(SpawnerTest, PlantsThePriorOfSection42) {
-  SeedPool pool(4000);
+  SeedPool pool = PoolOf(4000);
   const auto planted = Spawn(Spawner(options_, NearFar()), {}, &pool);
   ASSERT_GT(planted, 1000);
   EXPECT_EQ(static_cast<std::size_t>(planted), pool.size());
   ASSERT_EQ(pool.references().size(), 1U);
   EXPECT_EQ(pool.references()[0].frame_index, 4);
-  const SeedColumns& s = pool.columns();
-  for (std::size_t i = 0; i < pool.size(); ++i) {
-    ASSERT_EQ(s.mu[i], 0.5F);
+  for (const SeedState& s : SeedsOf(pool)) {
+    ASSERT_EQ(s.posterior.mu, 0.5F);
     // 99 % of the mass in [0, 1].
-    ASSERT_NEAR(std::erf(0.5 / std::sqrt(2.0 * s.sigma2[i])), 0.99, 1e-4);
-    ASSERT_EQ(s.a[i], options_.prior_a);
-    ASSERT_EQ(s.b[i], options_.prior_b);
-    const double norm = std::sqrt(1 + std::pow(s.bearing_x[i], 2) + std::pow(s.bearing_y[i], 2));
-    ASSERT_NEAR(1 / s.c0[i], 0.5 * norm, 1e-6);
-    ASSERT_NEAR(1 / s.c1[i], 2 * norm, 1e-6);
+    ASSERT_NEAR(std::erf(0.5 / std::sqrt(2.0 * s.posterior.sigma2)), 0.99, 1e-4);
+    ASSERT_EQ(s.posterior.a, options_.prior_a);
+    ASSERT_EQ(s.posterior.b, options_.prior_b);
+    const double norm = std::sqrt(1 + std::pow(s.bearing_x, 2) + std::pow(s.bearing_y, 2));
+    ASSERT_NEAR(1 / s.interval.c0, 0.5 * norm, 1e-6);
+    ASSERT_NEAR(1 / s.interval.c1, 2 * norm, 1e-6);
   }
+  const std::vector<std::uint8_t> patches = pool.Patches(pool.references()[0]);
   const auto pixels = Pixels(pool);
   for (std::size_t i = 0; i < pool.size(); i += 37) {
     for (int k = 0; k < kPatchPixels; ++k) {
-      ASSERT_EQ(s.patch[i * kPatchPixels + k],
+      ASSERT_EQ(patches[i * kPatchPixels + k],
                 frame_.picture->grey(pixels[i].x() + k % kPatchSize - kPatchRadius,
                                      pixels[i].y() + k / kPatchSize - kPatchRadius));
     }
@@ -84,7 +95,7 @@ TEST_F(SpawnerTest, IntervalsEndAtTheBox) {
   range.far = 5;
   range.box = Box{{-0.2, -0.15, 0.8}, {0.25, 0.2, 1.3}};
   options_.coordinate = DepthCoordinate::kDepth;
-  SeedPool pool(4000);
+  SeedPool pool = PoolOf(4000);
   ASSERT_GT(Spawn(Spawner(options_, range), {}, &pool), 300);
   constexpr double kTolerance = 1e-5;
   const auto on_surface = [&](const Eigen::Vector3d& p) {
@@ -93,17 +104,17 @@ TEST_F(SpawnerTest, IntervalsEndAtTheBox) {
         std::min((p - box.min).minCoeff(), (box.max - p).minCoeff());  // 0 on the surface
     return std::abs(inside) < kTolerance;
   };
-  for (std::size_t i = 0; i < pool.size(); ++i) {
-    const SeedColumns& s = pool.columns();
-    const Eigen::Vector3d bearing = Eigen::Vector3d(s.bearing_x[i], s.bearing_y[i], 1).normalized();
-    ASSERT_TRUE(on_surface(bearing * s.c0[i])) << (bearing * s.c0[i]).transpose();
-    ASSERT_TRUE(on_surface(bearing * s.c1[i])) << (bearing * s.c1[i]).transpose();
-    ASSERT_LT(s.c0[i], s.c1[i]);
+  for (const SeedState& s : SeedsOf(pool)) {
+    const Eigen::Vector3d bearing = Eigen::Vector3d(s.bearing_x, s.bearing_y, 1).normalized();
+    const auto [c0, c1] = s.interval;
+    ASSERT_TRUE(on_surface(bearing * c0)) << (bearing * c0).transpose();
+    ASSERT_TRUE(on_surface(bearing * c1)) << (bearing * c1).transpose();
+    ASSERT_LT(c0, c1);
   }
 }
 
 TEST_F(SpawnerTest, LiveSeedsKeepTheirPixels) {
-  SeedPool pool(20'000);
+  SeedPool pool = PoolOf(20'000);
   Spawner spawner(options_, NearFar());
   ASSERT_GT(Spawn(spawner, {}, &pool), 1000);
   EXPECT_EQ(Spawn(spawner, {}, &pool), 0) << "every pixel has its seed already";
@@ -122,13 +133,13 @@ TEST_F(SpawnerTest, PointsCoverOnlyTheSideTheyWereSeenFrom) {
       points.push_back(p);
     }
   }
-  SeedPool pool(4000);
+  SeedPool pool = PoolOf(4000);
   Spawn(Spawner(options_, NearFar()), points, &pool);
   ASSERT_GT(pool.size(), 300U);
   for (const auto& pixel : Pixels(pool)) EXPECT_GT(pixel.x(), 100);
   // The same points, seen from behind.
   for (Point& p : points) p.normal = -p.normal;
-  SeedPool all(4000);
+  SeedPool all = PoolOf(4000);
   Spawn(Spawner(options_, NearFar()), points, &all);
   int left = 0;
   for (const auto& pixel : Pixels(all)) left += pixel.x() < 100;
@@ -139,7 +150,7 @@ TEST_F(SpawnerTest, ThinsEvenly) {
   options_.seed_spacing_px = 1;
   options_.min_patch_stddev = 0;
   for (const std::size_t slots : {150U, 1000U, 7000U}) {
-    SeedPool pool(slots);
+    SeedPool pool = PoolOf(slots);
     EXPECT_EQ(Spawn(Spawner(options_, NearFar()), {}, &pool), static_cast<std::int64_t>(slots));
     // The picture in 5 x 5 parts: each has its share, give or take a third and a few.
     int count[25] = {};
@@ -153,7 +164,7 @@ TEST_F(SpawnerTest, NoSeedsWhereNothingCanMatch) {
   scene_.plain_left = 0;  // the left half of the plane has noise only
   scene_.noise = 1;
   frame_ = scene_.Render(Rigid3d{}, 0);
-  SeedPool pool(4000);
+  SeedPool pool = PoolOf(4000);
   ASSERT_GT(Spawn(Spawner(options_, NearFar()), {}, &pool), 300);
   for (const auto& pixel : Pixels(pool)) EXPECT_GT(pixel.x(), frame_.camera.cx - 3);
 }
@@ -174,12 +185,12 @@ TEST_F(SpawnerTest, WhatRefusedPixelsLeaveGoesToOthers) {
   options_.levels = 1;
   options_.min_patch_stddev = 10;
   constexpr std::size_t kSlots = 500;
-  SeedPool pool(kSlots);
+  SeedPool pool = PoolOf(kSlots);
   EXPECT_EQ(Spawn(Spawner(options_, NearFar()), {}, &pool), static_cast<std::int64_t>(kSlots));
 }
 
 TEST_F(SpawnerTest, TinyPicturesAndMissedBoxesGiveNoSeeds) {
-  SeedPool pool(100);
+  SeedPool pool = PoolOf(100);
   SceneRange behind;
   behind.near = 0.1;
   behind.far = 10;
@@ -194,7 +205,7 @@ TEST_F(SpawnerTest, TinyPicturesAndMissedBoxesGiveNoSeeds) {
 TEST_F(SpawnerTest, EachLevelHasItsOwnGroupPatchesAndCoverage) {
   options_.levels = 2;
   options_.min_coarse_stddev = 5;
-  SeedPool pool(20'000);
+  SeedPool pool = PoolOf(20'000);
   ASSERT_GT(Spawn(Spawner(options_, NearFar()), {}, &pool), 1000);
   ASSERT_EQ(pool.references().size(), 2U);
   const ReferenceFrame& coarse = pool.references()[0];
@@ -204,11 +215,13 @@ TEST_F(SpawnerTest, EachLevelHasItsOwnGroupPatchesAndCoverage) {
   Pyramid pyramid;
   pyramid.Build(frame_.picture->grey, 2);
   const Projector projector(coarse.camera);
-  const SeedColumns& s = pool.columns();
-  for (std::size_t i = coarse.begin; i < coarse.end; ++i) {
-    const auto p = projector.Project({s.bearing_x[i], s.bearing_y[i], 1});
+  const std::vector<SeedState> seeds = SeedsOf(pool);
+  const std::vector<std::uint8_t> patches = pool.Patches(coarse);
+  ASSERT_EQ(coarse.begin, 0U);
+  for (std::size_t i = 0; i < coarse.end; ++i) {
+    const auto p = projector.Project({seeds[i].bearing_x, seeds[i].bearing_y, 1});
     const auto x = static_cast<int>(std::lround(p->x())), y = static_cast<int>(std::lround(p->y()));
-    ASSERT_EQ(s.patch[i * kPatchPixels + kPatchPixels / 2], pyramid.levels()[1](x, y));
+    ASSERT_EQ(patches[i * kPatchPixels + kPatchPixels / 2], pyramid.levels()[1](x, y));
   }
   // A point as wide as a pixel of level 1 covers that level, but not the finer one.
   PointCloud points;
@@ -221,12 +234,12 @@ TEST_F(SpawnerTest, EachLevelHasItsOwnGroupPatchesAndCoverage) {
       points.push_back(p);
     }
   }
-  SeedPool fine(20'000);
+  SeedPool fine = PoolOf(20'000);
   Spawn(Spawner(options_, NearFar()), points, &fine);
   ASSERT_EQ(fine.references().size(), 1U);
   EXPECT_EQ(fine.references()[0].level, 0);
   for (Point& p : points) p.footprint /= 2;
-  SeedPool none(20'000);
+  SeedPool none = PoolOf(20'000);
   EXPECT_EQ(Spawn(Spawner(options_, NearFar()), points, &none), 0);
 }
 

@@ -6,8 +6,10 @@
 #include <string_view>
 
 #include "livemvs/backend/backend.h"
+#include "livemvs/backend/cpu/host_seeds.h"
 #include "livemvs/backend/cpu/kernels.h"
 #include "livemvs/backend/cpu/row_pairs.h"
+#include "livemvs/backend/warp_rule.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -95,12 +97,19 @@ class CpuBackend final : public Backend {
   explicit CpuBackend(const Options& options)
       : options_(options),
         is_outlier_(options.eta_outlier, options.outlier_certainty),
-        kernel_(ChooseKernel()) {}
+        warp_rule_(options),
+        kernel_(ChooseKernel()),
+        seeds_(static_cast<std::size_t>(options.max_seeds)) {}
 
   std::string name() const override { return std::string("CPU, ") + kernel_.name; }
 
-  UpdateStatistics Update(const SeedColumns& seeds,
-                          const std::vector<SeedGroup>& groups,
+  std::size_t capacity() const override { return seeds_.capacity(); }
+
+  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) override {
+    seeds_.Append(seeds, prior);
+  }
+
+  UpdateStatistics Update(const std::vector<SeedGroup>& groups,
                           CameraModel model,
                           std::span<const ImageView<std::uint8_t>> pyramid) override {
     tasks_.clear();
@@ -108,14 +117,14 @@ class CpuBackend final : public Backend {
     std::vector<bool> paired(pyramid.size());
     for (const SeedGroup& group : groups) {
       const auto level = static_cast<std::size_t>(group.level);
-      const bool warp = NeedsWarp(seeds, group, pyramid[level]);
+      const bool warp = NeedsWarp(group, pyramid[level]);
       if (warp && !paired[level]) {
         pairs_[level].Build(pyramid[level]);
         paired[level] = true;
       }
       const UpdateJob job = {&options_,
                              &is_outlier_,
-                             seeds,
+                             seeds_.columns(),
                              &group,
                              model,
                              {pyramid[level], pairs_[level].view()},
@@ -133,14 +142,17 @@ class CpuBackend final : public Backend {
     return sum;
   }
 
-  void MarkPlaces(const SeedColumns& seeds,
-                  const std::vector<SeedGroup>& groups,
+  std::span<const EndedSeed> TakeEnded() override { return seeds_.TakeEnded(); }
+
+  void Compact() override { seeds_.Compact(); }
+
+  void MarkPlaces(const std::vector<SeedGroup>& groups,
                   CameraModel model,
                   std::span<Image<std::uint8_t>> marks) override {
     for (const SeedGroup& group : groups) {
       Image<std::uint8_t>& picture = marks[static_cast<std::size_t>(group.level)];
       const MarkJob job = {
-          options_.coordinate, seeds, &group, model, picture.Row(0), picture.stride()};
+          options_.coordinate, seeds_.columns(), &group, model, picture.Row(0), picture.stride()};
       ParallelForRange(
           group.begin, group.end, kSeedsPerTask, [&](std::size_t first, std::size_t last) {
             kernel_.mark(job, first, last);
@@ -148,30 +160,28 @@ class CpuBackend final : public Backend {
     }
   }
 
+  std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) override {
+    return seeds_.Read(begin, end, step);
+  }
+
+  std::vector<std::uint8_t> ReadPatches(std::size_t begin, std::size_t end) override {
+    return seeds_.ReadPatches(begin, end);
+  }
+
  private:
-  // Whether the patches of a group look turned or scaled enough in the current image for the
-  // sampling grid to follow. Decided once for the group, on its middle seed's scale.
-  bool NeedsWarp(const SeedColumns& seeds,
-                 const SeedGroup& group,
-                 const ImageView<std::uint8_t>& image) const {
-    if (std::max(image.width, image.height) > kMostPixelsWarped) return false;
-    const float roll_limit = std::cos(options_.warp_roll_deg * static_cast<float>(M_PI / 180));
-    if (options_.warp_roll_deg > 0 && group.view.roll_cos < roll_limit) return true;
-    if (options_.warp_scale <= 0) return false;
-    const std::size_t i = LivingSeed(seeds, group);
-    if (i == group.end) return false;
-    const Projection<float> p = ProjectSeed<PinholeModel>(group.view,
-                                                          options_.coordinate,
-                                                          {seeds.c0[i], seeds.c1[i]},
-                                                          seeds.bearing_x[i],
-                                                          seeds.bearing_y[i],
-                                                          seeds.mu[i]);
-    return p.visible && (p.scale > options_.warp_scale || p.scale < 1 / options_.warp_scale);
+  bool NeedsWarp(const SeedGroup& group, const ImageView<std::uint8_t>& image) const {
+    if (!WarpRule::Allows(image.width, image.height)) return false;
+    if (warp_rule_.Turned(group.view)) return true;
+    const SeedColumns& s = seeds_.columns();
+    const std::size_t i = LivingSeed(s, group);
+    return i != group.end && warp_rule_.Scaled(group.view, s, i);
   }
 
   Options options_;
   OutlierRule is_outlier_;
+  WarpRule warp_rule_;
   NamedKernel kernel_;
+  HostSeeds seeds_;
   std::vector<RowPairs> pairs_;  // of the levels whose seeds need them
   std::vector<Task> tasks_;
   std::vector<UpdateStatistics> results_;

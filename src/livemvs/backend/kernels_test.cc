@@ -1,8 +1,6 @@
 #include "livemvs/backend/backend.h"
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -392,32 +390,6 @@ TEST(KernelsTest, ABlackPictureIsAMismatch) {
   EXPECT_GT(o.statistics.mismatched, o.statistics.total() / 2);
   EXPECT_EQ(o.before.mu, o.after.mu);
   EXPECT_EQ(o.before.sigma2, o.after.sigma2);
-}
-
-TEST(CpuBackendTest, CountsEveryLiveSeedOnceWhateverTheThreads) {
-  const auto frames = PlaneScene().Render(SidewaysPath(2));
-  const Options options = TestOptions();
-  const auto seeds = Plant(options, frames[0], 1);
-  Columns first(seeds);
-  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 5);
-  for (const int threads : {1, 2, 5}) {
-    Columns columns(seeds);
-    columns.fate[7] = Fate::kRemoved;
-    std::vector<SeedGroup> groups(2, GroupOf(frames[0], frames[1], seeds.size()));
-    groups[0].end = groups[1].begin = seeds.size() / 3;
-    const ImageView<std::uint8_t> pyramid[] = {frames[1].picture->grey.view()};
-    UpdateStatistics statistics;
-    tbb::task_arena(threads).execute([&] {
-      statistics =
-          MakeCpuBackend(options)->Update(columns.View(), groups, CameraModel::kPinhole, pyramid);
-    });
-    EXPECT_EQ(statistics.total(), static_cast<std::int64_t>(seeds.size()) - 1);
-    if (threads == 1) {
-      first = columns;
-    } else {
-      EXPECT_TRUE(columns == first) << threads;
-    }
-  }
 }
 
 TEST(KernelsTest, ManySeedsAtOnceDoAsOneByOne) {

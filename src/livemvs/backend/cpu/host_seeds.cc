@@ -1,0 +1,126 @@
+#include "livemvs/backend/cpu/host_seeds.h"
+
+#include <cassert>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+namespace livemvs {
+namespace {
+
+// The first seed from i on that is not simply alive, or `end`.
+std::size_t SkipAlive(const Fate* fate, std::size_t i, std::size_t end) {
+  static_assert(sizeof(Fate) == 1 && static_cast<int>(Fate::kAlive) == 0);
+  std::uint64_t eight = 0;
+  while (i + sizeof eight <= end) {
+    std::memcpy(&eight, fate + i, sizeof eight);
+    if (eight != 0) break;
+    i += sizeof eight;
+  }
+  while (i < end && fate[i] == Fate::kAlive) ++i;
+  return i;
+}
+
+}  // namespace
+
+template <typename T>
+T* HostSeeds::Column(std::size_t per_seed, std::size_t padding) {
+  storage_.emplace_back(capacity_ * per_seed * sizeof(T) + padding);
+  return reinterpret_cast<T*>(storage_.back().data());
+}
+
+HostSeeds::HostSeeds(std::size_t capacity) : capacity_(capacity) {
+  columns_.mu = Column<float>(1, 0);
+  columns_.sigma2 = Column<float>(1, 0);
+  columns_.a = Column<float>(1, 0);
+  columns_.b = Column<float>(1, 0);
+  columns_.c0 = Column<float>(1, 0);
+  columns_.c1 = Column<float>(1, 0);
+  columns_.bearing_x = Column<float>(1, 0);
+  columns_.bearing_y = Column<float>(1, 0);
+  columns_.patch = Column<std::uint8_t>(kPatchPixels, 8);
+  columns_.counts = Column<SeedCounts>(1, 0);
+  columns_.fate = Column<Fate>(1, 0);
+}
+
+void HostSeeds::Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) {
+  CheckRoom(end_, seeds.size(), capacity_);
+  for (const NewSeed& seed : seeds) {
+    const std::size_t i = end_++;
+    columns_.mu[i] = prior.mu;
+    columns_.sigma2[i] = prior.sigma2;
+    columns_.a[i] = prior.a;
+    columns_.b[i] = prior.b;
+    columns_.c0[i] = seed.interval.c0;
+    columns_.c1[i] = seed.interval.c1;
+    columns_.bearing_x[i] = seed.bearing_x;
+    columns_.bearing_y[i] = seed.bearing_y;
+    CopyPatch(seed, columns_.patch + i * kPatchPixels);
+    columns_.counts[i] = {0, 0, 0};
+    columns_.fate[i] = Fate::kAlive;
+  }
+}
+
+SeedState HostSeeds::StateOf(std::size_t i) const {
+  const SeedColumns& s = columns_;
+  return {{s.c0[i], s.c1[i]},
+          s.bearing_x[i],
+          s.bearing_y[i],
+          {s.mu[i], s.sigma2[i], s.a[i], s.b[i]},
+          s.counts[i],
+          s.fate[i]};
+}
+
+std::span<const EndedSeed> HostSeeds::TakeEnded() {
+  ended_.clear();
+  for (std::size_t i = 0; i < end_; ++i) {
+    i = SkipAlive(columns_.fate, i, end_);
+    if (i == end_) break;
+    if (columns_.fate[i] == Fate::kRemoved) continue;
+    ended_.push_back({static_cast<std::uint32_t>(i), StateOf(i)});
+    columns_.fate[i] = Fate::kRemoved;
+  }
+  removed_ += ended_.size();
+  return ended_;
+}
+
+void HostSeeds::Move(std::size_t from, std::size_t to) {
+  columns_.mu[to] = columns_.mu[from];
+  columns_.sigma2[to] = columns_.sigma2[from];
+  columns_.a[to] = columns_.a[from];
+  columns_.b[to] = columns_.b[from];
+  columns_.c0[to] = columns_.c0[from];
+  columns_.c1[to] = columns_.c1[from];
+  columns_.bearing_x[to] = columns_.bearing_x[from];
+  columns_.bearing_y[to] = columns_.bearing_y[from];
+  std::memcpy(
+      columns_.patch + to * kPatchPixels, columns_.patch + from * kPatchPixels, kPatchPixels);
+  columns_.counts[to] = columns_.counts[from];
+  columns_.fate[to] = columns_.fate[from];
+}
+
+void HostSeeds::Compact() {
+  if (removed_ == 0) return;
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < end_; ++i) {
+    if (columns_.fate[i] == Fate::kRemoved) continue;
+    if (i != to) Move(i, to);
+    ++to;
+  }
+  assert(end_ - to == removed_);
+  end_ = to;
+  removed_ = 0;
+}
+
+std::vector<SeedState> HostSeeds::Read(std::size_t begin, std::size_t end, std::size_t step) const {
+  std::vector<SeedState> seeds;
+  seeds.reserve((end - begin) / step + 1);
+  for (std::size_t i = begin; i < end; i += step) seeds.push_back(StateOf(i));
+  return seeds;
+}
+
+std::vector<std::uint8_t> HostSeeds::ReadPatches(std::size_t begin, std::size_t end) const {
+  return {columns_.patch + begin * kPatchPixels, columns_.patch + end * kPatchPixels};
+}
+
+}  // namespace livemvs

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "livemvs/backend/seed_columns.h"
+#include "livemvs/backend/seed_state.h"
+
+namespace livemvs {
+
+/// The seeds in the host's memory, which is allocated once. Not thread-safe.
+class HostSeeds {
+ public:
+  explicit HostSeeds(std::size_t capacity);
+
+  std::size_t capacity() const { return capacity_; }
+  const SeedColumns& columns() const { return columns_; }
+
+  // See Backend.
+  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior);
+  std::span<const EndedSeed> TakeEnded();
+  void Compact();
+  std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) const;
+  std::vector<std::uint8_t> ReadPatches(std::size_t begin, std::size_t end) const;
+
+ private:
+  template <typename T>
+  T* Column(std::size_t per_seed, std::size_t padding);
+  SeedState StateOf(std::size_t i) const;
+  void Move(std::size_t from, std::size_t to);
+
+  std::size_t capacity_;
+  std::size_t end_ = 0;      // one past the last slot in use
+  std::size_t removed_ = 0;  // of those before it
+  std::vector<std::vector<std::byte>> storage_;
+  SeedColumns columns_;
+  std::vector<EndedSeed> ended_;
+};
+
+}  // namespace livemvs

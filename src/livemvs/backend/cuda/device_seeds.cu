@@ -1,0 +1,285 @@
+#include <thrust/iterator/counting_iterator.h>
+
+#include <algorithm>
+#include <cub/device/device_select.cuh>
+
+#include "livemvs/backend/cuda/device_seeds.h"
+
+namespace livemvs::cuda {
+namespace {
+
+constexpr int kThreads = 256;
+constexpr std::size_t kPatchPadding = 16;  // words are read whole
+constexpr std::size_t kChunk = 1 << 16;    // newborn seeds that are copied together
+
+unsigned BlocksFor(std::size_t threads) {
+  return static_cast<unsigned>((threads + kThreads - 1) / kThreads);
+}
+
+__device__ std::size_t ThreadNumber() { return std::size_t{blockIdx.x} * kThreads + threadIdx.x; }
+
+struct HasEnded {
+  const Fate* fate;
+  __device__ bool operator()(std::uint32_t i) const {
+    return fate[i] != Fate::kAlive && fate[i] != Fate::kRemoved;
+  }
+};
+
+struct IsKept {
+  const Fate* fate;
+  __device__ bool operator()(std::uint32_t i) const { return fate[i] != Fate::kRemoved; }
+};
+
+__global__ void StartSeeds(SeedColumns s,
+                           std::size_t begin,
+                           std::size_t n,
+                           Posterior<float> prior) {
+  const std::size_t thread = ThreadNumber();
+  if (thread >= n) return;
+  const std::size_t i = begin + thread;
+  s.mu[i] = prior.mu;
+  s.sigma2[i] = prior.sigma2;
+  s.a[i] = prior.a;
+  s.b[i] = prior.b;
+  s.counts[i] = {0, 0, 0};
+  s.fate[i] = Fate::kAlive;
+}
+
+__device__ SeedState StateOf(const SeedColumns& s, std::size_t i) {
+  return {{s.c0[i], s.c1[i]},
+          s.bearing_x[i],
+          s.bearing_y[i],
+          {s.mu[i], s.sigma2[i], s.a[i], s.b[i]},
+          s.counts[i],
+          s.fate[i]};
+}
+
+__global__ void GatherEnded(SeedColumns s,
+                            const std::uint32_t* slots,
+                            std::size_t n,
+                            EndedSeed* out) {
+  const std::size_t thread = ThreadNumber();
+  if (thread >= n) return;
+  const std::uint32_t slot = slots[thread];
+  out[thread] = {slot, StateOf(s, slot)};
+  s.fate[slot] = Fate::kRemoved;
+}
+
+__global__ void GatherStates(
+    SeedColumns s, std::size_t begin, std::size_t step, std::size_t n, EndedSeed* out) {
+  const std::size_t thread = ThreadNumber();
+  if (thread >= n) return;
+  out[thread] = {0, StateOf(s, begin + thread * step)};
+}
+
+__global__ void MoveSeeds(SeedColumns from,
+                          const std::uint32_t* slots,
+                          std::size_t n,
+                          SeedColumns to) {
+  const std::size_t i = ThreadNumber();
+  if (i >= n) return;
+  const std::uint32_t slot = slots[i];
+  to.mu[i] = from.mu[slot];
+  to.sigma2[i] = from.sigma2[slot];
+  to.a[i] = from.a[slot];
+  to.b[i] = from.b[slot];
+  to.c0[i] = from.c0[slot];
+  to.c1[i] = from.c1[slot];
+  to.bearing_x[i] = from.bearing_x[slot];
+  to.bearing_y[i] = from.bearing_y[slot];
+  to.counts[i] = from.counts[slot];
+  to.fate[i] = from.fate[slot];
+}
+
+// A thread for each word of the patches, so that they are written side by side.
+__global__ void MovePatches(const std::uint8_t* from,
+                            const std::uint32_t* slots,
+                            std::size_t n,
+                            std::uint32_t* to) {
+  const std::size_t first = ThreadNumber() * sizeof(std::uint32_t);
+  if (first >= n * kPatchPixels) return;
+  std::uint32_t word = 0;
+  for (unsigned k = 0; k < sizeof word; ++k) {
+    const std::size_t i = (first + k) / kPatchPixels, pixel = (first + k) % kPatchPixels;
+    if (i < n) word |= std::uint32_t{from[std::size_t{slots[i]} * kPatchPixels + pixel]} << (8 * k);
+  }
+  to[first / sizeof word] = word;
+}
+
+}  // namespace
+
+DeviceSeeds::Storage::Storage(std::size_t capacity)
+    : mu(capacity),
+      sigma2(capacity),
+      a(capacity),
+      b(capacity),
+      c0(capacity),
+      c1(capacity),
+      bearing_x(capacity),
+      bearing_y(capacity),
+      patch(capacity * kPatchPixels + kPatchPadding),
+      counts(capacity),
+      fate(capacity) {}
+
+SeedColumns DeviceSeeds::Storage::View() const {
+  return {mu.get(),
+          sigma2.get(),
+          a.get(),
+          b.get(),
+          c0.get(),
+          c1.get(),
+          bearing_x.get(),
+          bearing_y.get(),
+          patch.get(),
+          counts.get(),
+          fate.get()};
+}
+
+void DeviceSeeds::Storage::swap(Storage& other) noexcept {
+  mu.swap(other.mu);
+  sigma2.swap(other.sigma2);
+  a.swap(other.a);
+  b.swap(other.b);
+  c0.swap(other.c0);
+  c1.swap(other.c1);
+  bearing_x.swap(other.bearing_x);
+  bearing_y.swap(other.bearing_y);
+  patch.swap(other.patch);
+  counts.swap(other.counts);
+  fate.swap(other.fate);
+}
+
+DeviceSeeds::Staging::Staging()
+    : c0(kChunk), c1(kChunk), bearing_x(kChunk), bearing_y(kChunk), patch(kChunk * kPatchPixels) {}
+
+DeviceSeeds::DeviceSeeds(std::size_t capacity, const Stream* stream)
+    : capacity_(capacity),
+      stream_(stream),
+      storage_(capacity),
+      spare_(capacity),
+      columns_(storage_.View()),
+      selected_(capacity),
+      selected_count_(1),
+      ended_count_(1) {
+  std::size_t bytes = 0;
+  Check(cub::DeviceSelect::If(nullptr,
+                              bytes,
+                              thrust::counting_iterator<std::uint32_t>(0),
+                              selected_.get(),
+                              selected_count_.get(),
+                              static_cast<int>(capacity_),
+                              HasEnded{columns_.fate},
+                              stream_->get()),
+        "size the selection of seeds");
+  scratch_.Reserve(std::max<std::size_t>(bytes, 1));
+  *ended_count_.get() = 0;
+}
+
+template <typename Predicate>
+void DeviceSeeds::Select(const Predicate& predicate) {
+  std::size_t bytes = scratch_.size();
+  Check(cub::DeviceSelect::If(scratch_.get(),
+                              bytes,
+                              thrust::counting_iterator<std::uint32_t>(0),
+                              selected_.get(),
+                              selected_count_.get(),
+                              static_cast<int>(end_),
+                              predicate,
+                              stream_->get()),
+        "select seeds");
+}
+
+void DeviceSeeds::Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) {
+  CheckRoom(end_, seeds.size(), capacity_);
+  for (std::size_t first = 0; first < seeds.size(); first += kChunk) {
+    AppendChunk(seeds.subspan(first, std::min(kChunk, seeds.size() - first)), prior);
+  }
+}
+
+void DeviceSeeds::AppendChunk(std::span<const NewSeed> seeds, const Posterior<float>& prior) {
+  stream_->Wait("copy new seeds");  // the staging memory is free again
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    staging_.c0.get()[i] = seeds[i].interval.c0;
+    staging_.c1.get()[i] = seeds[i].interval.c1;
+    staging_.bearing_x.get()[i] = seeds[i].bearing_x;
+    staging_.bearing_y.get()[i] = seeds[i].bearing_y;
+    CopyPatch(seeds[i], staging_.patch.get() + i * kPatchPixels);
+  }
+  const std::size_t n = seeds.size();
+  Copy(staging_.c0.get(), columns_.c0 + end_, n, *stream_);
+  Copy(staging_.c1.get(), columns_.c1 + end_, n, *stream_);
+  Copy(staging_.bearing_x.get(), columns_.bearing_x + end_, n, *stream_);
+  Copy(staging_.bearing_y.get(), columns_.bearing_y + end_, n, *stream_);
+  Copy(staging_.patch.get(), columns_.patch + end_ * kPatchPixels, n * kPatchPixels, *stream_);
+  StartSeeds<<<BlocksFor(n), kThreads, 0, stream_->get()>>>(columns_, end_, n, prior);
+  Check(cudaGetLastError(), "start seeds");
+  end_ += n;
+}
+
+void DeviceSeeds::SelectEnded() {
+  if (end_ == 0) return;
+  Select(HasEnded{columns_.fate});
+  Copy(selected_count_.get(), ended_count_.get(), 1, *stream_);
+}
+
+std::span<const EndedSeed> DeviceSeeds::TakeEnded() {
+  const std::size_t n = std::exchange(*ended_count_.get(), 0);
+  if (n == 0) return {};
+  ended_.Reserve(n);
+  ended_on_host_.Reserve(n);
+  GatherEnded<<<BlocksFor(n), kThreads, 0, stream_->get()>>>(
+      columns_, selected_.get(), n, ended_.get());
+  Check(cudaGetLastError(), "gather ended seeds");
+  Copy(ended_.get(), ended_on_host_.get(), n, *stream_);
+  stream_->Wait("gather ended seeds");
+  removed_ += n;
+  return {ended_on_host_.get(), n};
+}
+
+void DeviceSeeds::Compact() {
+  if (removed_ == 0) return;
+  const std::size_t kept = end_ - removed_;
+  Select(IsKept{columns_.fate});
+  if (kept > 0) {
+    const SeedColumns to = spare_.View();
+    MoveSeeds<<<BlocksFor(kept), kThreads, 0, stream_->get()>>>(
+        columns_, selected_.get(), kept, to);
+    MovePatches<<<BlocksFor((kept * kPatchPixels + 3) / 4), kThreads, 0, stream_->get()>>>(
+        columns_.patch, selected_.get(), kept, reinterpret_cast<std::uint32_t*>(to.patch));
+    Check(cudaGetLastError(), "close the gaps between seeds");
+  }
+  storage_.swap(spare_);
+  columns_ = storage_.View();
+  end_ = kept;
+  removed_ = 0;
+  if (*ended_count_.get() > 0) {  // not taken yet: they have moved
+    SelectEnded();
+    stream_->Wait("close the gaps between seeds");
+  }
+}
+
+std::vector<SeedState> DeviceSeeds::Read(std::size_t begin, std::size_t end, std::size_t step) {
+  std::vector<SeedState> seeds;
+  if (begin >= end) return seeds;
+  const std::size_t n = (end - begin - 1) / step + 1;
+  stream_->Wait("finish before seeds are read");
+  ended_.Reserve(n);
+  ended_on_host_.Reserve(n);
+  GatherStates<<<BlocksFor(n), kThreads, 0, stream_->get()>>>(
+      columns_, begin, step, n, ended_.get());
+  Check(cudaGetLastError(), "read seeds");
+  Copy(ended_.get(), ended_on_host_.get(), n, *stream_);
+  stream_->Wait("read seeds");
+  seeds.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) seeds.push_back(ended_on_host_.get()[i].seed);
+  return seeds;
+}
+
+std::vector<std::uint8_t> DeviceSeeds::ReadPatches(std::size_t begin, std::size_t end) const {
+  std::vector<std::uint8_t> patches((end - begin) * kPatchPixels);
+  Copy(columns_.patch + begin * kPatchPixels, patches.data(), patches.size(), *stream_);
+  stream_->Wait("read patches");
+  return patches;
+}
+
+}  // namespace livemvs::cuda
