@@ -82,6 +82,26 @@ BENCHMARK(BM_Seeds)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
+// The same on a GPU. Skipped where there is none.
+void BM_Cuda(benchmark::State& state) {
+  Options options;
+  options.max_seeds = static_cast<int>(state.range(0)) * 1000;
+  options.backend = BackendChoice::kCuda;
+  try {
+    RunAll(options, &state);
+  } catch (const DeviceError& e) {
+    state.SkipWithError(e.what());
+  }
+}
+BENCHMARK(BM_Cuda)
+    ->ArgName("thousands")
+    ->Arg(250)
+    ->Arg(1000)
+    ->Arg(4000)
+    ->Arg(16000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
 void BM_Window(benchmark::State& state) {
   Options options;
   options.search_radius_px = static_cast<float>(state.range(0));

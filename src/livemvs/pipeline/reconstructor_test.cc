@@ -344,14 +344,15 @@ class FailingBackend final : public Backend {
 };
 
 TEST(ReconstructorTest, WhereTheDeviceIsLostTheCpuGoesOn) {
-  constexpr int kLostAt = 20;
+  constexpr int kLostAt = 22, kAll = 60;
+  const std::vector<PosedFrame> frames = PlaneScene().Render(SidewaysPath(kAll));
   Options options = TestOptions();
   options.backend = BackendChoice::kAuto;
   Reconstructor reconstructor(
       options, NearFar(), std::make_unique<FailingBackend>(options, kLostAt));
   std::size_t before = 0;
-  for (int f = 0; f < kFrames; ++f) {
-    reconstructor.AddFrame(PlaneFrames()[static_cast<std::size_t>(f)]);
+  for (int f = 0; f < kAll; ++f) {
+    reconstructor.AddFrame(frames[static_cast<std::size_t>(f)]);
     if (f + 1 == kLostAt) before = reconstructor.points().size();
     if (f == kLostAt) {
       EXPECT_EQ(reconstructor.points().size(), before) << "what there is, stays";

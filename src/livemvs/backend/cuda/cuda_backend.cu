@@ -33,7 +33,10 @@ class DevicePyramid {
                    {pairs_.get() + begin, level.width, level.height, stride}};
       begin += SizeOf(level);
     }
-    grey_.Upload(pixels, stream);
+    grey_.Upload(pixels + kAlignment, stream);
+    Check(
+        cudaMemsetAsync(pairs_.get() + pixels, 0, kAlignment * sizeof(std::uint16_t), stream.get()),
+        "clear the end of a picture");
     for (std::size_t l = 0; l < grey.size(); ++l) {
       if (WarpRule::Allows(grey[l].width, grey[l].height)) {
         LaunchBuildPairs(

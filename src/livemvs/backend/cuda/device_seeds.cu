@@ -173,6 +173,10 @@ DeviceSeeds::DeviceSeeds(std::size_t capacity, const Stream* stream)
         "size the selection of seeds");
   scratch_.Reserve(std::max<std::size_t>(bytes, 1));
   *ended_count_.get() = 0;
+  for (const Storage* storage : {&storage_, &spare_}) {  // padding is read, too
+    Check(cudaMemsetAsync(storage->patch.get(), 0, storage->patch.size(), stream_->get()),
+          "clear patches");
+  }
 }
 
 template <typename Predicate>

@@ -152,7 +152,7 @@ __global__ void ChooseWarp(WarpRule rule, SeedColumns seeds, const SeedGroup* gr
 __global__ void BuildPairs(ImageView<std::uint8_t> grey, std::uint16_t* pairs) {
   const int x = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   const int y = static_cast<int>(blockIdx.y);
-  if (x >= grey.width) return;
+  if (x >= grey.stride) return;  // what is read beyond a row is written, too
   const int below = y + 1 < grey.height ? y + 1 : y;
   const std::uint8_t* upper = grey.data + y * grey.stride;
   const std::uint8_t* lower = grey.data + below * grey.stride;
@@ -173,7 +173,8 @@ void LaunchChooseWarp(const WarpRule& rule,
 void LaunchBuildPairs(const ImageView<std::uint8_t>& grey,
                       std::uint16_t* pairs,
                       cudaStream_t stream) {
-  const dim3 blocks((grey.width + kSeedsPerBlock - 1) / kSeedsPerBlock, grey.height);
+  const auto across = static_cast<unsigned>((grey.stride + kSeedsPerBlock - 1) / kSeedsPerBlock);
+  const dim3 blocks(across, static_cast<unsigned>(grey.height));
   BuildPairs<<<blocks, kSeedsPerBlock, 0, stream>>>(grey, pairs);
 }
 
