@@ -234,7 +234,11 @@ CudaDevices FindCudaDevices() {
   const cudaError_t status = cudaGetDeviceCount(&count);
   if (status != cudaSuccess || count == 0) {
     cudaGetLastError();  // it does not stay
-    found.trouble = status != cudaSuccess ? cudaGetErrorString(status) : "no CUDA device";
+    int driver = 0;
+    cudaDriverGetVersion(&driver);
+    found.trouble = driver == 0             ? "no NVIDIA driver is installed"
+                    : status != cudaSuccess ? cudaGetErrorString(status)
+                                            : "no CUDA device";
     return found;
   }
   for (int i = 0; i < count; ++i) {
