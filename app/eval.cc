@@ -15,7 +15,7 @@
 #include "livemvs/io/atomic_file.h"
 #include "livemvs/io/dataset.h"
 #include "livemvs/io/picture_codec.h"
-#include "livemvs/io/ply.h"
+#include "model_input.h"
 #include "seed_report.h"
 
 namespace livemvs::app {
@@ -83,7 +83,7 @@ std::vector<PosedCamera> ReadCameras(const EvalArguments& args) {
 }
 
 Reference ReadReference(const EvalArguments& args) {
-  PlyContents contents = ReadPly(args.reference);
+  PlyContents contents = ReadModel(args.reference);
   if (contents.cloud.empty()) throw BadInput(args.reference + ": holds no points");
   Reference reference{std::move(contents.cloud), std::nullopt};
   if (!contents.faces.empty()) {
@@ -116,7 +116,7 @@ Evaluation EvaluateContents(const EvalArguments& args,
 }
 
 Evaluation Evaluate(const EvalArguments& args, const Reference& reference) {
-  const PlyContents cloud = ReadPly(args.cloud);
+  const PlyContents cloud = ReadModel(args.cloud);
   Evaluation result = EvaluateContents(args, cloud, reference);
   result.not_finite += static_cast<std::size_t>(cloud.dropped_vertices);
   if (result.samples_in_box == 0) {
@@ -177,8 +177,9 @@ void AddEvalCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("eval", "Measure a cloud against a reference mesh or cloud.");
   command->footer(kExamples);
-  command->add_option("CLOUD", args->cloud, "The cloud to judge (.ply, .ply.gz)")->required();
-  command->add_option("REFERENCE", args->reference, "True mesh or cloud (.ply, .ply.gz)")
+  command->add_option("CLOUD", args->cloud, "The cloud or mesh to judge (.ply, .ply.gz, .glb)")
+      ->required();
+  command->add_option("REFERENCE", args->reference, "True mesh or cloud (.ply, .ply.gz, .glb)")
       ->required();
   command
       ->add_option("--box", args->box, "Judge inside of this box only: x0 y0 z0 x1 y1 z1 [scene]")

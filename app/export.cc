@@ -18,6 +18,7 @@
 #include "livemvs/exchange/obj.h"
 #include "livemvs/io/lower_case.h"
 #include "livemvs/io/ply.h"
+#include "model_input.h"
 #include "output_check.h"
 
 namespace livemvs::app {
@@ -26,8 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kExamples[] =
-    "INPUT is a cloud or mesh (.ply, .ply.gz), or the folder of a scan. The ending of the output\n"
-    "says what to write: .glb .obj .las .ply; --format writes a folder for other programs, with\n"
+    "INPUT is a cloud or mesh (.ply, .ply.gz, .glb), or the folder of a scan. The ending of the\n"
+    "output says what to write: .glb .obj .las .ply; --format writes a folder for other programs, "
+    "with\n"
     "the pictures of --data and the cloud as points to start from.\n"
     "\n"
     "Examples:\n"
@@ -104,12 +106,12 @@ void RunExport(ExportArguments args) {
   const std::string extension = LowerExtension(args.output);
   CheckArguments(args, extension);
   const bool is_scan = fs::is_directory(args.input);
-  const fs::path ply = is_scan ? fs::path(args.input) / "cloud.ply" : fs::path(args.input);
-  if (args.format.empty()) CheckOutputs({{args.output, "the output", "", ""}}, {ply});
-  ExchangeModel model = MakeExchangeModel(ReadPly(ply), ply.string());
+  const fs::path file = is_scan ? fs::path(args.input) / "cloud.ply" : fs::path(args.input);
+  if (args.format.empty()) CheckOutputs({{args.output, "the output", "", ""}}, {file});
+  ExchangeModel model = MakeExchangeModel(ReadModel(file), file.string());
   ThinCloud(args.points, args.min_views, &model);
   if (model.vertices.empty()) {
-    throw BadInput(ply.string() + ": no point has " + std::to_string(args.min_views) +
+    throw BadInput(file.string() + ": no point has " + std::to_string(args.min_views) +
                    " views (--min-views)");
   }
   if (args.format.empty()) {

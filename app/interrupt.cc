@@ -5,10 +5,10 @@
 namespace livemvs::app {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t interruptions = 0;
 
 void OnSignal(int signal) {
-  interrupted = 1;
+  interruptions = interruptions + 1;
   std::signal(signal, SIG_DFL);
 }
 
@@ -22,6 +22,8 @@ void CatchInterrupts() {
   std::signal(SIGXFSZ, SIG_IGN);  // nor may a file that may not grow: the write then fails
 }
 
-bool Interrupted() { return interrupted != 0; }
+bool Interrupted() { return interruptions != 0; }
+
+int Interruptions() { return interruptions; }
 
 }  // namespace livemvs::app

@@ -9,4 +9,8 @@ void CatchInterrupts();
 /// True once a signal has come.
 bool Interrupted();
 
+/// How many have come. Who goes on after one calls CatchInterrupts() again, so that the next, too,
+/// only counts.
+int Interruptions();
+
 }  // namespace livemvs::app

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cloud_output.h"
 #include "commands.h"
@@ -13,7 +14,6 @@
 #include "interrupt.h"
 #include "livemvs/core/log.h"
 #include "livemvs/io/dataset.h"
-#include "livemvs/io/ply.h"
 #include "livemvs/mesh/build_mesh.h"
 #include "livemvs/mesh/color_mesh.h"
 #include "mesh_input.h"
@@ -32,11 +32,13 @@ constexpr char kExamples[] =
     "that saw them, and is open where nothing was seen. The cameras are those of --data, by the\n"
     "frame that each point was seen in, or of the scan. Without them the points' normals stand "
     "in.\n"
-    "Lengths are in units of the scene; see docs/meshing.md.\n"
+    "Lengths are in units of the scene; see docs/meshing.md. The ending of the output says its "
+    "form:\n"
+    ".glb, which most programs open, .obj or .ply.\n"
     "\n"
     "Examples:\n"
-    "  livemvs mesh scan.ply --data scan/ -o model.ply\n"
-    "  livemvs mesh mug/ -o mug.ply                    (the folder of a scan)\n"
+    "  livemvs mesh scan.ply --data scan/ -o model.glb\n"
+    "  livemvs mesh mug/ -o mug.obj                    (the folder of a scan)\n"
     "  livemvs mesh scan.ply --data scan/ --resolution 0.002 --faces 50000 -o model.ply\n"
     "  livemvs mesh scan.ply --data scan/ --whole -o whole.ply\n"
     "\n"
@@ -53,14 +55,6 @@ struct MeshArguments {
   int color_frames = 60;
   MeshOptions options;
 };
-
-void ShowShare(const std::string& stage, double share, Progress* progress) {
-  ProgressState state;
-  state.stage = stage;
-  state.done = static_cast<std::int64_t>(100 * share);
-  state.percent = true;
-  progress->Show(state);
-}
 
 /// Colours the mesh from the sharpest picture of each of so many stretches of the film.
 void ColorFromFrames(const MeshArguments& args,
@@ -111,10 +105,11 @@ BuiltMesh Build(const MeshArguments& args, MeshInput* input, Dataset* dataset, P
 
 void Run(const MeshArguments& args) {
   args.options.Check();
+  std::vector<Output> outputs = MeshOutputs(args.output);
+  outputs.push_back({args.stats, "the statistics", "", ""});
   const std::optional<tbb::global_control> thread_limit = LimitThreads(args.threads);
   Progress progress(ParseProgressMode(args.progress));
-  CheckOutputs({{args.output, "the mesh", "a mesh", "ply"}, {args.stats, "the statistics", "", ""}},
-               {args.input, args.dataset.data, args.dataset.poses, args.dataset.camera});
+  CheckOutputs(outputs, {args.input, args.dataset.data, args.dataset.poses, args.dataset.camera});
   CatchInterrupts();
   try {
     MeshInput input = ReadMeshInput(args.input);
@@ -124,7 +119,7 @@ void Run(const MeshArguments& args) {
     const BuiltMesh built = Build(args, &input, dataset.get(), &progress);
     progress.Finish();
     WarnOfMesh(built.statistics, args.options);
-    WritePly(args.output, built.mesh);
+    WriteMesh(args.output, built.mesh);
     PrintMesh(built, args.output);
     if (args.stats.empty()) return;
     nlohmann::json statistics = MeshJson(built);
@@ -169,7 +164,7 @@ void AddMeshCommand(CLI::App& app) {
   command->add_option("CLOUD", args->input, "Cloud (.ply, .ply.gz), or the folder of a scan")
       ->required();
   AddDatasetOptions(command, &args->dataset)->required(false);
-  command->add_option("-o,--output", args->output, "Mesh to write (.ply)")->required();
+  command->add_option("-o,--output", args->output, "Mesh to write: .glb, .obj or .ply")->required();
   AddSurfaceOptions(command, &args->options);
   command
       ->add_option("--color-frames",

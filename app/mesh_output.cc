@@ -1,9 +1,14 @@
 #include "mesh_output.h"
 
 #include <cstdio>
+#include <stdexcept>
 #include <string>
 
 #include "livemvs/core/log.h"
+#include "livemvs/exchange/glb.h"
+#include "livemvs/exchange/obj.h"
+#include "livemvs/io/lower_case.h"
+#include "livemvs/io/ply.h"
 
 namespace livemvs::app {
 namespace {
@@ -15,6 +20,38 @@ std::string Number(double value) {
 }
 
 }  // namespace
+
+std::vector<Output> MeshOutputs(const std::filesystem::path& path) {
+  const std::string extension = LowerExtension(path);
+  if (extension == ".glb") return {{path, "the mesh", "a GLB file", "glTF"}};
+  if (extension == ".ply") return {{path, "the mesh", "a mesh", "ply"}};
+  if (extension == ".obj") {
+    std::filesystem::path material = path;
+    return {{path, "the mesh", "", ""},
+            {material.replace_extension(".mtl"), "the mesh's material", "", ""}};
+  }
+  throw std::invalid_argument("--output " + path.string() +
+                              ": the name must end with .glb, .obj or .ply");
+}
+
+void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  const std::string extension = LowerExtension(path);
+  if (extension == ".ply") {
+    WritePly(path, mesh);
+  } else if (extension == ".obj") {
+    WriteObj(path, MakeExchangeModel(mesh));
+  } else {
+    WriteGlb(path, MakeExchangeModel(mesh));
+  }
+}
+
+void ShowShare(const std::string& stage, double share, Progress* progress) {
+  ProgressState state;
+  state.stage = stage;
+  state.done = static_cast<std::int64_t>(100 * share);
+  state.percent = true;
+  progress->Show(state);
+}
 
 nlohmann::json MeshJson(const BuiltMesh& built) {
   const MeshStatistics& s = built.statistics;

@@ -2,10 +2,25 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "livemvs/mesh/build_mesh.h"
+#include "output_check.h"
+#include "progress.h"
 
 namespace livemvs::app {
+
+/// The files that a mesh of this name is written to: .glb, .ply, or .obj with its material.
+/// @throws std::invalid_argument where the name ends in anything else.
+std::vector<Output> MeshOutputs(const std::filesystem::path& path);
+
+/// Writes a mesh in the form that the name's ending says.
+/// @throws as WriteGlb, WriteObj and WritePly.
+void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+/// Shows how much of a stage of the mesh is done.
+void ShowShare(const std::string& stage, double share, Progress* progress);
 
 /// What the statistics say of a mesh.
 nlohmann::json MeshJson(const BuiltMesh& built);

@@ -17,7 +17,7 @@
 #include "livemvs/io/atomic_file.h"
 #include "livemvs/io/dataset.h"
 #include "livemvs/io/picture_codec.h"
-#include "livemvs/io/ply.h"
+#include "model_input.h"
 
 namespace livemvs::app {
 namespace {
@@ -279,7 +279,7 @@ void RunRender(RenderArguments args) {
     const Eigen::Vector3d up = UpOfCameras(cams_from_world);
     if (!args.fit.up && !up.isZero()) args.fit.up = up;
   }
-  Scene scene(ReadPly(args.input), box, args.options);
+  Scene scene(ReadModel(args.input), box, args.options);
   if (dataset) scene.UseViews(dataset->views());
   if (scene.points().empty()) {
     LogWarning(args.input + ": there is nothing to see" + (box ? " in the box" : ""));
@@ -307,7 +307,7 @@ void AddRenderCommand(CLI::App& app) {
   auto args = std::make_shared<RenderArguments>();
   CLI::App* command = app.add_subcommand("render", "Draw a cloud or mesh as a picture.");
   command->footer(kExamples);
-  command->add_option("CLOUD", args->input, "Cloud or mesh (.ply, .ply.gz)")->required();
+  command->add_option("CLOUD", args->input, "Cloud or mesh (.ply, .ply.gz, .glb)")->required();
   command->add_option("-o,--output", args->output, "Picture to write (.png)")->required();
   command->add_option("--size", args->size, "Size of the picture [px]")->capture_default_str();
   command

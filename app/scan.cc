@@ -167,7 +167,9 @@ void RunScan(ScanArguments args) {
       before != nullptr && before->end() && before->end()->reason == EndMessage::kFinished;
   if (args.finish || ended) {
     ScanResult result = FromJournal(*before);
-    WriteScanResults(folder.path, args, SettingsOf(args, *before), &result);
+    if (WriteScanResults(folder.path, args, SettingsOf(args, *before), &result)) {
+      throw CLI::RuntimeError(kExitInterrupted);
+    }
     return;
   }
   if (before == nullptr) CheckScanFolder(folder.path);
@@ -180,12 +182,14 @@ void RunScan(ScanArguments args) {
   ScanResult result = Film(args, folder, &input, &view);
   view.End(result);
   RequirePoses(result, result.tracking_problem);
+  bool mesh_interrupted = false;
   try {
-    WriteScanResults(folder.path, args, input.settings, &result);
+    mesh_interrupted = WriteScanResults(folder.path, args, input.settings, &result);
   } catch (const Error&) {
     if (result.failure == nullptr) throw;
   }
   ReportEnd(folder, input, result);
+  if (mesh_interrupted) throw CLI::RuntimeError(kExitInterrupted);
   view.Linger();
 }
 
@@ -205,12 +209,14 @@ void AddScanCommand(CLI::App& app) {
       "  livemvs scan --camera 0 --board board.json --view -o mug\n"
       "  livemvs scan --resume mug                  go on after an interruption\n"
       "  livemvs scan --resume mug --finish         write what was recorded before it\n\n"
-      "The folder gets cloud.ply, the mesh model.ply, poses.txt, camera.yaml, statistics.json, "
+      "The folder gets cloud.ply, the mesh model.glb, poses.txt, camera.yaml, statistics.json, "
       "and\n"
-      "journal.lmv, which "
-      "is written while filming: whatever happens, at most the last second is lost.\n\n"
+      "journal.lmv, which is written while filming: whatever happens, at most the last second is\n"
+      "lost. Ctrl-C while the mesh is made leaves it out; livemvs mesh DIR makes it later.\n\n"
       "Exit codes: 0 done (Ctrl-C ends filming), 1 failed, 2 usage, 3 bad input, 4 out of\n"
-      "resources (the scan so far is kept), 130 a recording was interrupted (--resume goes on).");
+      "resources (the scan so far is kept), 130 interrupted: a recording (--resume goes on), or "
+      "the\n"
+      "mesh.");
   command->callback([args] { RunScan(*args); });
 }
 

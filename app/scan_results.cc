@@ -4,15 +4,17 @@
 #include <exception>
 #include <functional>
 #include <string>
+#include <system_error>
 
 #include "cloud_output.h"
+#include "interrupt.h"
 #include "livemvs/core/log.h"
 #include "livemvs/io/calibration.h"
-#include "livemvs/io/ply.h"
 #include "livemvs/io/tum.h"
 #include "livemvs/map/finish_cloud.h"
 #include "mesh_input.h"
 #include "mesh_output.h"
+#include "progress.h"
 
 namespace livemvs::app {
 namespace {
@@ -75,27 +77,56 @@ std::vector<StampedPose> PosesOf(const std::vector<FrameMessage>& frames) {
 
 void Print(const fs::path& path) { std::printf("%s\n", fs::absolute(path).c_str()); }
 
-/// Writes model.ply. The cloud is safe already: where there is no mesh, a warning says why.
-void WriteModel(const fs::path& folder, const ScanResult& result, nlohmann::json* statistics) {
-  if (result.points.empty()) return;
-  const fs::path path = folder / "model.ply";
+BuiltMesh BuildModel(const ScanArguments& args, const ScanResult& result) {
+  Progress progress(ParseProgressMode(args.progress));
+  // A signal that ended the film does not end the mesh; the next one does.
+  const int before = Interruptions();
+  CatchInterrupts();
+  MeshWatch watch;
+  watch.stop = [before] { return Interruptions() > before; };
+  watch.progress = [&progress](const std::string& stage, double share) {
+    ShowShare("mesh: " + stage, share, &progress);
+  };
+  const MeshOptions options;
+  BuiltMesh built =
+      BuildMesh(result.points, CamerasOf(result.camera, result.frames), options, watch);
+  progress.Finish();
+  WarnOfMesh(built.statistics, options);
+  return built;
+}
+
+/// Writes the mesh. The cloud is safe already: where there is no mesh, a warning says why.
+/// @return Whether a signal ended it.
+bool WriteModel(const fs::path& folder,
+                const ScanArguments& args,
+                const ScanResult& result,
+                nlohmann::json* statistics) {
+  if (result.points.empty()) return false;
+  LogInfo("making the mesh; Ctrl-C leaves it out");
+  std::fflush(stdout);  // of the cloud is told before the mesh takes its time
+  const fs::path path = folder / kModelName;
+  std::error_code ignored;
+  const std::string older = fs::exists(path, ignored) ? "; " + path.string() + " is of before" : "";
   try {
-    const MeshOptions options;
-    const BuiltMesh built =
-        BuildMesh(result.points, CamerasOf(result.camera, result.frames), options, {});
-    WarnOfMesh(built.statistics, options);
-    WritePly(path, built.mesh);
+    const BuiltMesh built = BuildModel(args, result);
+    WriteMesh(path, built.mesh);
     (*statistics)["mesh"] = MeshJson(built);
     PrintMesh(built, path);
+  } catch (const MeshInterrupted&) {
+    LogWarning("interrupted: the mesh was left out; make it with: livemvs mesh " + folder.string() +
+               " -o " + path.string() + older);
+    (*statistics)["mesh"] = {{"failure", "interrupted"}};
+    return true;
   } catch (const std::exception& e) {
-    LogWarning("no mesh was made: " + std::string(e.what()));
+    LogWarning("no mesh was made: " + std::string(e.what()) + older);
     (*statistics)["mesh"] = {{"failure", e.what()}};
   }
+  return false;
 }
 
 }  // namespace
 
-void WriteScanResults(const fs::path& folder,
+bool WriteScanResults(const fs::path& folder,
                       const ScanArguments& args,
                       const ScanSettings& settings,
                       ScanResult* result) {
@@ -129,9 +160,11 @@ void WriteScanResults(const fs::path& folder,
     WriteOpenCvYaml(folder / "camera.yaml", *result->camera);
     Print(folder / "camera.yaml");
   });
-  if (!args.no_mesh && !failure) WriteModel(folder, *result, &statistics);
+  bool interrupted = false;
+  if (!args.no_mesh && !failure) interrupted = WriteModel(folder, args, *result, &statistics);
   attempt([&] { WriteStatistics(folder / "statistics.json", statistics); });
   if (failure) std::rethrow_exception(failure);
+  return interrupted;
 }
 
 }  // namespace livemvs::app

@@ -10,11 +10,10 @@
 #include "live_view.h"
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
-#include "livemvs/io/lower_case.h"
-#include "livemvs/io/ply.h"
 #include "livemvs/stream/journal.h"
 #include "livemvs/stream/messages.h"
 #include "livemvs/stream/point_codec.h"
+#include "model_input.h"
 #include "viewer/mesh_record.h"
 
 namespace livemvs::app {
@@ -36,16 +35,12 @@ fs::path FileOf(const fs::path& input) {
   if (!fs::is_directory(input, ignored)) return input;
   const fs::path journal = input / "journal.lmv";
   if (fs::exists(journal, ignored)) return journal;
-  throw BadInput(input.string() + ": holds no journal.lmv; name a scan's folder, or a PLY file");
+  throw BadInput(input.string() +
+                 ": holds no journal.lmv; name a scan's folder, or a .ply or .glb file");
 }
 
-bool IsPly(const fs::path& path) {
-  const std::string name = LowerCase(path.filename().string());
-  return name.ends_with(".ply") || name.ends_with(".ply.gz");
-}
-
-void PublishPly(const fs::path& path, StreamLog* log) {
-  const PlyContents ply = ReadPly(path);
+void PublishModel(const fs::path& path, StreamLog* log) {
+  const PlyContents ply = ReadModel(path);
   if (ply.cloud.empty()) throw BadInput(path.string() + ": holds no vertex");
   SessionMessage session;
   session.json = nlohmann::json({{"program", "livemvs view"}, {"source", path.filename().string()}})
@@ -86,8 +81,8 @@ void View(const ViewArguments& args) {
   const fs::path file = FileOf(args.input);
   StreamLog log;
   std::unique_ptr<JournalReader> journal;
-  if (IsPly(file)) {
-    PublishPly(file, &log);
+  if (IsModelName(file)) {
+    PublishModel(file, &log);
   } else {
     journal = std::make_unique<JournalReader>(file);
   }
@@ -106,7 +101,9 @@ void View(const ViewArguments& args) {
 void AddViewCommand(CLI::App& app) {
   auto args = std::make_shared<ViewArguments>();
   CLI::App* command = app.add_subcommand("view", "Show a cloud, a mesh or a scan in a browser");
-  command->add_option("IN", args->input, "PLY file (cloud or mesh), journal, or folder of a scan")
+  command
+      ->add_option(
+          "IN", args->input, "Cloud or mesh (.ply, .ply.gz, .glb), journal, or folder of a scan")
       ->required();
   AddViewOptions(command, &args->view, false);
   command->footer(
@@ -114,6 +111,7 @@ void AddViewCommand(CLI::App& app) {
       "Examples:\n"
       "  livemvs view scan.ply\n"
       "  livemvs view scans/vase --no-browser\n"
+      "  livemvs view scans/vase/model.glb\n"
       "  livemvs view mesh.ply.gz --listen 0.0.0.0      (for a phone in the same network)");
   command->callback([args] { View(*args); });
 }

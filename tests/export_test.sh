@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Usage: tests/export_test.sh PROGRAM SAMPLE-FOLDER
 #
-# `livemvs export` on good input and bad: exit codes, messages, files, and what COLMAP reads of it.
+# `livemvs export`, and what `livemvs mesh` writes, on good input and bad: exit codes, messages, files, and what COLMAP and
+# assimp read of it.
 
 set -u
 # shellcheck source=support/expect.sh
@@ -70,6 +71,42 @@ if command -v colmap >/dev/null; then
 else
   echo "skipped: what COLMAP reads; it is not installed"
 fi
+
+# --- Meshes: their form by their name ----------------------------------------------------------------
+mesh_() { "$program" mesh "$cloud" --resolution 0.012 "$@"; }
+for ending in glb obj ply; do
+  expect 0 "mesh.$ending" mesh_ -o "$work/mesh.$ending"
+  read -r faces vertices < <(sed -n 's/^\([0-9]*\) faces, \([0-9]*\) vertices from .*/\1 \2/p' "$work/log")
+  check "the mesh is empty" test "${faces:-0}" -gt 500
+  if command -v assimp >/dev/null; then
+    # As they are in the file: without what assimp otherwise does to what it reads.
+    expect 0 "Faces:" assimp info "$work/mesh.$ending" -r
+    check "assimp does not see $faces faces in mesh.$ending" grep -qE "^Faces: +$faces\$" "$work/log"
+    check "assimp does not see triangles alone" grep -qE "^Primitive Types: +triangles\$" "$work/log"
+    [[ $ending == obj ]] || check "assimp does not see $vertices vertices" grep -qE "^Vertices: +$vertices\$" "$work/log"
+    expect 0 "" assimp export "$work/mesh.$ending" "$work/assimp-$ending.stl" -r
+    check "assimp does not write mesh.$ending on" test -s "$work/assimp-$ending.stl"
+  else
+    echo "skipped: what assimp reads of mesh.$ending; it is not installed (assimp-utils)"
+  fi
+done
+check "the mesh has no material" grep -q newmtl "$work/mesh.mtl"
+# GLB gives the mesh back to the last bit, in the world's coordinates.
+expect 0 "back.ply" export_ "$work/mesh.glb" -o "$work/back.ply"
+check "the mesh does not come back from GLB as it was" cmp "$work/back.ply" "$work/mesh.ply"
+for ending in glb ply; do
+  expect 0 "mm" "$program" eval "$work/mesh.$ending" "$sample/mesh.ply.gz" --json "$work/eval-$ending.json"
+  expect 0 "mesh.png" "$program" render "$work/mesh.$ending" -o "$work/mesh.png" --size 160x120
+done
+check "a mesh as GLB is not worth the same" cmp "$work/eval-glb.json" "$work/eval-ply.json"
+# Told before any work: the cloud is not even looked for.
+expect 2 "must end with .glb, .obj or .ply" "$program" mesh "$work/missing.ply" -o "$work/bad.stl"
+expect 2 "must end with .glb, .obj or .ply" "$program" mesh "$work/missing.ply" -o "$work/bad"
+cp "$cloud" "$work/cloud-named.glb"
+expect 3 "exists and is not a GLB file" mesh_ -o "$work/cloud-named.glb"
+expect 3 "not a GLB file" "$program" render "$work/cloud-named.glb" -o "$work/bad.png"
+expect 0 "draco.glb" export_ "$work/mesh.glb" -o "$work/draco.glb" --draco
+expect 3 "Draco" export_ "$work/draco.glb" -o "$work/bad.ply"
 
 # --- Bad input --------------------------------------------------------------------------------------
 printf 'ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n' >"$work/empty.ply"

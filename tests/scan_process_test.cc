@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "livemvs/exchange/glb.h"
+#include "livemvs/exchange/model.h"
 #include "livemvs/io/ply.h"
 #include "livemvs/io/tum.h"
 #include "livemvs/stream/replay.h"
@@ -36,7 +38,7 @@ void ExpectLittleLost(Process* process,
     if (line.text.empty() || line.text[0] != '{') continue;
     if (duration<double>(killed - line.time).count() < kMostLost + stood_still) break;
     const auto json = nlohmann::json::parse(line.text, nullptr, false);
-    if (json.is_discarded()) continue;
+    if (json.is_discarded() || json.at("stage") != "scan") continue;
     frames = json.at("done").get<std::int64_t>();
     points = json.at("points").get<std::int64_t>();
   }
@@ -123,6 +125,67 @@ TEST_F(ScanProcess, SigtermFinishesItCleanly) {
     EXPECT_EQ(replay.end()->reason, EndMessage::kInterrupted);
     EXPECT_LT(replay.frames().size(), static_cast<std::size_t>(kFrames));
     EXPECT_GT(replay.frames().size(), 10U);
+  }
+}
+
+TEST_F(ScanProcess, EndsWithAMeshAndShowsHowFarItIs) {
+  Process process(ScanCommand());
+  ASSERT_EQ(process.Wait(), 0) << process.text();
+  EXPECT_NE(process.text().find("mesh: points"), std::string::npos) << process.text();
+  const ExchangeModel model = ReadGlb(scan_ / "model.glb");
+  EXPECT_GT(model.faces.size(), 500U);
+  EXPECT_TRUE(model.has_colors);
+  // In the same world as the cloud.
+  const Extent mesh = ExtentOf(model);
+  const Extent cloud = ExtentOf(MakeExchangeModel(ReadPly(scan_ / "cloud.ply"), "cloud"));
+  const double margin = 0.1 * cloud.LongestSide();
+  EXPECT_GT(mesh.LongestSide(), margin);
+  EXPECT_GT((mesh.min - cloud.min).minCoeff(), -margin);
+  EXPECT_GT((cloud.max - mesh.max).minCoeff(), -margin);
+}
+
+TEST_F(ScanProcess, ASignalWhileTheMeshIsMadeLeavesItOutAndKeepsTheRest) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // On a busy machine the signal may come too late, after the end.
+    int code = 0;
+    std::string text;
+    for (int attempt = 0; attempt < 5 && code != 130; ++attempt) {
+      fs::remove_all(scan_);
+      Process process(ScanCommand());
+      ASSERT_TRUE(process.WaitFor("mesh: ")) << process.text();
+      process.Kill(signal);
+      code = process.Wait();
+      text = process.text();
+    }
+    EXPECT_EQ(code, 130) << text;
+    EXPECT_NE(text.find("livemvs mesh " + scan_.string() + " -o"), std::string::npos) << text;
+    ExpectWhole();
+    EXPECT_EQ(ReadJournal(scan_ / "journal.lmv").replay.end()->reason, EndMessage::kFinished);
+    EXPECT_FALSE(fs::exists(scan_ / "model.glb"));
+    // Later, as the message says.
+    Process later({LIVEMVS_PROGRAM, "mesh", scan_.string(), "-o", (scan_ / "model.glb").string()});
+    EXPECT_EQ(later.Wait(), 0) << later.text();
+    EXPECT_GT(ReadGlb(scan_ / "model.glb").faces.size(), 500U);
+  }
+}
+
+TEST_F(ScanProcess, TheSignalThatEndsFilmingDoesNotEndTheMeshButAnotherDoes) {
+  for (const bool twice : {false, true}) {
+    bool left_out = false;
+    const int attempts = twice ? 5 : 1;  // the second signal may come too late
+    for (int attempt = 0; attempt < attempts && !left_out; ++attempt) {
+      fs::remove_all(scan_);
+      Process process(ScanCommand({"--realtime"}));
+      ASSERT_TRUE(WaitForJournal(15, 10)) << process.text();
+      process.Kill(SIGINT);
+      ASSERT_TRUE(process.WaitFor("mesh: ")) << process.text();
+      if (twice) process.Kill(SIGINT);
+      EXPECT_EQ(process.Wait(), 130) << process.text();
+      left_out = process.text().find("mesh was left out") != std::string::npos;
+      EXPECT_EQ(fs::exists(scan_ / "model.glb"), !left_out) << process.text();
+      EXPECT_GT(ReadPly(scan_ / "cloud.ply").cloud.size(), 0U);
+    }
+    EXPECT_EQ(left_out, twice);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <boost/beast/http/status.hpp>
 #include <string_view>
 
+#include "viewer/page.h"
 #include "viewer/rules.h"
 
 namespace livemvs::viewer {
@@ -15,6 +16,7 @@ struct Answer {
   boost::beast::http::status status;
   std::string_view type = "text/plain; charset=utf-8";
   std::string_view body;
+  std::string_view policy = kContentSecurityPolicy;
 };
 
 /// @param path  Of the request, without what follows a question mark.

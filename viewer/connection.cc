@@ -85,7 +85,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection<Stream
                   beast::string_view(answer.type.data(), answer.type.size()));
     response_.set(http::field::cache_control, "no-store");
     response_.set("Content-Security-Policy",
-                  beast::string_view(kContentSecurityPolicy.data(), kContentSecurityPolicy.size()));
+                  beast::string_view(answer.policy.data(), answer.policy.size()));
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("Referrer-Policy", "no-referrer");
     response_.set("Cross-Origin-Opener-Policy", "same-origin");

@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
+#include <thread>
 
 #include "livemvs/io/picture_codec.h"
 #include "livemvs/stream/bytes.h"
+#include "livemvs/stream/messages.h"
 #include "livemvs/stream/replay.h"
 #include "viewer/mesh_record.h"
 
@@ -164,6 +168,121 @@ TEST(Feed, TakesFramesWithoutWaiting) {
   EXPECT_LT(seconds, 2.0);  // copies of 1.1 MB each; generous for sanitizers
   feed.End({.frames = kFrames});
   EXPECT_EQ(ReplayOf(log).frames().size(), static_cast<std::size_t>(kFrames));
+}
+
+// What a client that never looks away gets of the records that are not kept, of one type.
+std::vector<std::vector<std::uint8_t>> TakeUnnumbered(StreamLog* log,
+                                                      StreamLog::Cursor* cursor,
+                                                      RecordType type) {
+  std::vector<std::vector<std::uint8_t>> payloads;
+  for (std::vector<SharedBytes> taken = log->Take(cursor, 1 << 20); !taken.empty();
+       taken = log->Take(cursor, 1 << 20)) {
+    for (const SharedBytes& bytes : taken) {
+      const Record record = ParseRecord(*bytes).record;
+      if (record.type == type) payloads.emplace_back(record.payload.begin(), record.payload.end());
+    }
+  }
+  return payloads;
+}
+
+// While the camera's place is not known its picture is shown all the same, with what says nothing
+// of depth: plain blocks. Nothing of it is kept: the stream holds no frame and no point.
+TEST(Feed, ShowsThePictureOfAFrameWithoutAPose) {
+  StreamLog log;
+  Feed feed(&log, {});
+  feed.Begin({.json = "{}"}, std::nullopt);
+  const std::size_t before = log.size();
+  feed.AddPicture(17, MakeFrame(17).picture);
+  feed.End({});
+  EXPECT_EQ(log.size(), before + 1);  // the end alone
+  StreamLog::Cursor cursor;
+  const auto previews = TakeUnnumbered(&log, &cursor, kRecordPreview);
+  ASSERT_EQ(previews.size(), 1U);
+  ByteReader in(previews[0]);
+  EXPECT_EQ(in.Get<std::int64_t>(), 17);
+  EXPECT_GT(in.Get<double>(), 1.6e9);
+  const auto marks = in.Get<std::uint32_t>();
+  const auto bytes = in.Get<std::uint32_t>();
+  ASSERT_EQ(previews[0].size(), 24 + 8 * marks + bytes);
+  EXPECT_GT(marks, 100U);
+  EXPECT_GT(bytes, 1000U);
+  for (std::uint32_t i = 0; i < marks; ++i) {
+    in.Get<std::uint32_t>();
+    EXPECT_EQ(static_cast<MarkKind>(in.Get<std::uint8_t>()), MarkKind::kNoTexture);
+    in.Get<std::uint8_t>();
+    in.Get<std::uint16_t>();
+  }
+}
+
+// Pictures come at the camera's rate, and are shown at that of the previews; those of frames with
+// and without a pose share it.
+TEST(Feed, ShowsNoMorePicturesThanAreAskedFor) {
+  StreamLog log;
+  FeedOptions options;
+  options.preview_hz = 0.02;
+  Feed feed(&log, options);
+  feed.Begin({.json = "{}"}, std::nullopt);
+  feed.AddPicture(1, MakeFrame(1).picture);
+  for (int i = 2; i < 100; ++i) feed.AddPicture(i, nullptr);  // not even looked at
+  feed.AddFrame(MakeFrame(100), {}, {.frames = 1}, nullptr);
+  feed.End({});
+  StreamLog::Cursor cursor;
+  const auto previews = TakeUnnumbered(&log, &cursor, kRecordPreview);
+  ASSERT_EQ(previews.size(), 1U);
+  EXPECT_EQ(ByteReader(previews[0]).Get<std::int64_t>(), 1);
+  EXPECT_EQ(ReplayOf(log).frames().size(), 1U);
+}
+
+nlohmann::json LiveOf(StreamLog* log) {
+  StreamLog::Cursor cursor;
+  const auto lives = TakeUnnumbered(log, &cursor, kRecordLive);
+  EXPECT_FALSE(lives.empty());
+  if (lives.empty()) return {};
+  return nlohmann::json::parse(DecodeStatistics(lives.back()).value_or("{}"));
+}
+
+TEST(Feed, TellsCountsWithoutAFrame) {
+  StreamLog log;
+  FeedOptions options;
+  options.records = false;  // as for a scan, whose journal is the stream
+  Feed feed(&log, options);
+  feed.SetCounts({.frames = 5, .frames_total = 40, .seeds = 1});
+  feed.SetCounts({.frames = 7,
+                  .frames_total = 40,
+                  .frames_dropped = 2,
+                  .seeds = 300,
+                  .points = 1234,
+                  .problem = "board not seen"});
+  feed.End({});
+  EXPECT_EQ(log.size(), 0U);
+  const nlohmann::json live = LiveOf(&log);
+  EXPECT_EQ(live.at("frames"), 7);
+  EXPECT_EQ(live.at("frames_total"), 40);
+  EXPECT_EQ(live.at("frames_dropped"), 2);
+  EXPECT_EQ(live.at("seeds"), 300);
+  EXPECT_EQ(live.at("points"), 1234);
+  EXPECT_EQ(live.at("problem"), "board not seen");
+  EXPECT_TRUE(live.at("handed").empty());
+}
+
+// The problem goes when the next counts have none, and may be any bytes.
+TEST(Feed, ForgetsAProblemThatIsOver) {
+  StreamLog log;
+  Feed feed(&log, {});
+  feed.SetCounts({.problem = "board \xff not seen"});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  nlohmann::json live;
+  while (!live.contains("problem") && std::chrono::steady_clock::now() < deadline) {
+    StreamLog::Cursor cursor;
+    const auto lives = TakeUnnumbered(&log, &cursor, kRecordLive);
+    if (!lives.empty()) live = nlohmann::json::parse(DecodeStatistics(lives.back()).value_or("{}"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_TRUE(live.contains("problem"));
+  EXPECT_NE(live.at("problem").get<std::string>().find("not seen"), std::string::npos);
+  feed.SetCounts({.frames = 1});
+  feed.End({});
+  EXPECT_FALSE(LiveOf(&log).contains("problem"));
 }
 
 TEST(MeshRecord, SplitsMeshesAndLeavesOutWildFaces) {

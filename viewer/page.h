@@ -21,4 +21,10 @@ inline constexpr std::string_view kContentSecurityPolicy =
     "img-src 'self' blob: data:; connect-src 'self'; manifest-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
 
+/// Likewise of the page that refuses: its one style, by the hash of that, and nothing else.
+inline constexpr std::string_view kRefusalPolicy =
+    "default-src 'none'; style-src 'sha256-ATEeAM815Au4yTDqV1rTSdvOB3pVyYYUo27Ifu8Us6c='; base-uri "
+    "'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+
 }  // namespace livemvs::viewer

@@ -1,9 +1,12 @@
 #include "viewer/server.h"
 
 #include <gtest/gtest.h>
+#include <openssl/evp.h>
+#include <openssl/sha.h>
 
 #include <utility>
 
+#include <array>
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl.hpp>
@@ -188,6 +191,28 @@ TEST(Server, RefusesWhoHasNot) {
   EXPECT_FALSE(Client(server, "http://" + host, "").open());
   EXPECT_EQ(server.statistics().accepted, 0);
   EXPECT_EQ(server.statistics().refused, 9);
+}
+
+// The policy lets in the style of that page alone, by its hash.
+TEST(Server, ThePageThatRefusesSaysWhatToDoAndMayBeStyled) {
+  StreamLog log;
+  const Server server(&log, TestOptions());
+  const auto page = Fetch(server, "/?token=00", HostOf(server));
+  EXPECT_EQ(page[http::field::content_type], "text/html; charset=utf-8");
+  EXPECT_NE(page.body().find("Open the address that livemvs printed"), std::string::npos);
+  const std::size_t begin = page.body().find("<style>") + 7;
+  const std::string style = page.body().substr(begin, page.body().find("</style>") - begin);
+  ASSERT_GT(style.size(), 100U);
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  SHA256(reinterpret_cast<const unsigned char*>(style.data()), style.size(), digest.data());
+  std::array<unsigned char, 64> base64{};
+  EVP_EncodeBlock(base64.data(), digest.data(), static_cast<int>(digest.size()));
+  const std::string hash = reinterpret_cast<const char*>(base64.data());
+  const std::string policy(page["Content-Security-Policy"]);
+  EXPECT_NE(policy.find("style-src 'sha256-" + hash + "';"), std::string::npos)
+      << "kRefusalPolicy must name " << hash;
+  EXPECT_EQ(policy.find("default-src 'none'"), 0U);
+  EXPECT_EQ(policy.find("script"), std::string::npos);
 }
 
 TEST(Server, AbsurdRequestsEndTheConnectionAlone) {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "livemvs/core/error.h"
-#include "livemvs/exchange/glb.h"
+#include "livemvs/exchange/linear_color.h"
 
 namespace livemvs {
 namespace {

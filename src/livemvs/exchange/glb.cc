@@ -13,6 +13,7 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/exchange/draco_mesh.h"
+#include "livemvs/exchange/linear_color.h"
 #include "livemvs/io/atomic_file.h"
 #include "livemvs/io/little_endian.h"
 
@@ -262,19 +263,6 @@ class GlbBuilder {
 };
 
 }  // namespace
-
-std::uint16_t LinearFromSrgb(std::uint8_t value) {
-  static const std::array<std::uint16_t, 256> kTable = [] {
-    std::array<std::uint16_t, 256> table{};
-    for (int i = 0; i < 256; ++i) {
-      const double s = i / 255.0;  // IEC 61966-2-1
-      const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-      table[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(std::lround(65535 * linear));
-    }
-    return table;
-  }();
-  return kTable[value];
-}
 
 void WriteGlb(const std::filesystem::path& path,
               const ExchangeModel& model,

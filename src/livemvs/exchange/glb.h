@@ -28,7 +28,10 @@ void WriteGlb(const std::filesystem::path& path,
               const ExchangeModel& model,
               const GlbOptions& options = {});
 
-/// The value of a linear colour, 0 ... 65535, of one in sRGB.
-std::uint16_t LinearFromSrgb(std::uint8_t value);
+/// Reads back what WriteGlb() wrote without Draco, in the coordinates of the world that was
+/// written: of those that other programs write glTF is a tree of parts, each turned and scaled,
+/// whose world has lost its own axes.
+/// @throws Error (kBadInput) naming the file and what is wrong with it.
+ExchangeModel ReadGlb(const std::filesystem::path& path);
 
 }  // namespace livemvs

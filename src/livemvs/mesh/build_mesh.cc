@@ -24,6 +24,11 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+void Begin(const char* stage, const MeshWatch& watch) {
+  watch.Check();
+  watch.Show(stage, 0);
+}
+
 void TakeCounts(const SightLines& sights, MeshStatistics* statistics) {
   statistics->points = sights.lines.size();
   statistics->points_seen = sights.seen;
@@ -44,7 +49,7 @@ void Fair(const SightLines& sights,
           const MeshOptions& options,
           const MeshWatch& watch,
           BuiltMesh* result) {
-  watch.Show("fair", 0);
+  Begin("fair", watch);
   const std::vector<float> distance = DistancesToPoints(sights, result->mesh);
   const auto held = static_cast<float>(options.held * result->statistics.voxel);
   std::vector<char> free(distance.size(), 0);
@@ -58,10 +63,10 @@ void Finish(const SightLines& sights,
             const MeshWatch& watch,
             BuiltMesh* result) {
   if (options.faces > 0) {
-    watch.Show("simplify", 0);
+    Begin("simplify", watch);
     result->statistics.simplified = SimplifyMesh(options.faces, watch, &result->mesh);
   }
-  watch.Show("check", 0);
+  Begin("check", watch);
   CheckResult(result);
   const auto colored = [](const Rgb& c) { return c != Rgb{0, 0, 0}; };
   if (std::ranges::any_of(sights.colors, colored)) {
@@ -78,7 +83,7 @@ BuiltMesh BuildMesh(const PointCloud& cloud,
   options.Check();
   const Clock::time_point start = Clock::now();
   BuiltMesh result;
-  watch.Show("points", 0);
+  Begin("points", watch);
   const SightLines sights = MakeSightLines(cloud, cameras);
   TakeCounts(sights, &result.statistics);
   {
@@ -89,7 +94,7 @@ BuiltMesh BuildMesh(const PointCloud& cloud,
     result.statistics.seconds_cut = SecondsSince(start);
     result.mesh = MarchField(MakeSurfaceField(sights, volume, options, watch), watch);
   }
-  watch.Show("trim", 0);
+  Begin("trim", watch);
   result.statistics.trimmed =
       TrimMesh(sights, cameras, result.statistics.voxel, options, &result.mesh);
   if (result.mesh.faces.empty()) {

@@ -82,6 +82,7 @@ void FairMesh(const std::vector<char>& free,
   std::vector<Eigen::Vector3f> before;
   for (int round = 0; round < rounds; ++round) {
     watch.Check();
+    watch.Show("fair", static_cast<double>(round) / rounds);
     before = mesh->vertices;
     ParallelForRange(0, before.size(), 1024, [&](std::size_t first, std::size_t last) {
       for (std::size_t v = first; v < last; ++v) {

@@ -288,6 +288,7 @@ class FieldMaker {
     const int rounds = options_.smoothing > 0 ? options_.smoothing_rounds : 0;
     for (int round = 0; round < rounds; ++round) {
       watch.Check();
+      watch.Show("surface", static_cast<double>(round) / rounds);
       std::swap(before, f);
       f.resize(before.size());
       ParallelForRange(0, f.size(), 4096, [&](std::size_t first, std::size_t last) {

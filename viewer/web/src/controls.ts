@@ -23,6 +23,8 @@ interface Parts {
   connection: Connection;
   state: RunState;
   bounds: () => { min: number[]; max: number[] } | null;
+  /** Where a mesh faces, in the scene's axes; zero: unknown. */
+  facing: () => THREE.Vector3;
   sceneBox: () => SceneInfo["box"];
   unit: () => string;
   refresh: () => void;
@@ -120,6 +122,9 @@ export class Controls {
     el("b-save").classList.toggle("primary", !running);
     el("b-finish").classList.toggle("primary", running && !waiting);
     el("b-follow").hidden = !this.p.rig.known;
+    // What is for points alone.
+    const mesh = this.p.store.visible === 0 && state.points > 0;
+    for (const id of ["modes", "b-measure", "b-box", "b-save"]) el(id).hidden = mesh;
   }
 
   private pause(): void {
@@ -149,9 +154,10 @@ export class Controls {
     const { stage, rig } = this.p;
     const target = new THREE.Vector3().fromArray(bounds.min).add(new THREE.Vector3().fromArray(bounds.max)).multiplyScalar(0.5);
     target.applyQuaternion(stage.world.quaternion);
-    // From the side of the first cameras, a little above.
-    const side = rig.known ? rig.center.clone().applyQuaternion(stage.world.quaternion).sub(target) : new THREE.Vector3(0.4, 0.5, 1);
-    side.y = 0;
+    // From the side of the first cameras, or from where a mesh was seen, a little above.
+    const seen = this.p.facing().clone().applyQuaternion(stage.world.quaternion).setY(0);
+    let side = seen.lengthSq() > 0 ? seen : new THREE.Vector3(0.4, 0, 1);
+    if (rig.known) side = rig.center.clone().applyQuaternion(stage.world.quaternion).sub(target).setY(0);
     if (side.lengthSq() < 1e-12) side.set(0, 0, 1);
     side.normalize().setY(0.55).normalize();
     const fit = stage.radius / Math.sin((stage.camera.fov * Math.PI) / 360);
@@ -260,8 +266,8 @@ export class Controls {
       " ": () => !el("b-pause").hidden && this.pause(),
       f: () => this.setFollow(!this.following),
       r: () => this.fit(),
-      m: () => this.toggleRuler(),
-      b: () => this.toggleBox(),
+      m: () => !el("b-measure").hidden && this.toggleRuler(),
+      b: () => !el("b-box").hidden && this.toggleBox(),
       s: () => this.p.store.visible > 0 && this.openSave(),
       p: () => void this.shoot(),
       t: () => this.flipTheme(),

@@ -40,6 +40,8 @@ const NOTHING: Live = {
 };
 let live: Live | null = null;
 let triangles = 0;
+/** Sum of the triangles' normals, by area: an open surface faces who filmed it. */
+const facing = new THREE.Vector3();
 let sceneBox: P.SceneInfo["box"] = null;
 let next: Next = { hint: "", azimuth: 0 };
 let oriented = false;
@@ -52,6 +54,7 @@ function clear(): void {
   dial.clear();
   meshes.clear();
   triangles = 0;
+  facing.set(0, 0, 0);
   state.ended = null;
   oriented = false;
 }
@@ -161,6 +164,16 @@ function addMesh(part: P.MeshPart | null): void {
   });
   meshes.add(new THREE.Mesh(geometry, material));
   triangles += part.indices.length / 3;
+  addFacing(part);
+}
+
+function addFacing({ positions, indices }: P.MeshPart): void {
+  const corner = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
+  for (let f = 0; f < indices.length; f += 3) {
+    corner.forEach((c, k) => c.fromArray(positions, 3 * indices[f + k]));
+    const [a, b, c] = corner;
+    facing.add(b.sub(a).cross(c.sub(a)));
+  }
 }
 
 // What is shown, in the scene's axes.
@@ -186,7 +199,7 @@ function orient(): void {
   oriented = rig.known || state.ended !== null;
 }
 
-const controls = new Controls({ store, stage, splats, rig, ruler, box, connection, state, bounds, sceneBox: () => sceneBox, unit: () => unit, refresh: () => refresh() });
+const controls = new Controls({ store, stage, splats, rig, ruler, box, connection, state, bounds, facing: () => facing, sceneBox: () => sceneBox, unit: () => unit, refresh: () => refresh() });
 
 let changed = true;
 let lastDial = 0;

@@ -19,7 +19,7 @@ const VERTEX = /* glsl */ `
 in vec4 aColor;
 in vec2 aNormal;
 in vec4 aInfo;
-uniform float uScale, uDefault, uSplat, uLeast, uMost;
+uniform float uScale, uDefault, uSplat, uLeast, uClose, uMost;
 uniform int uMode, uClip;
 uniform vec2 uRange;
 uniform vec3 uRamp[5], uBoxMin, uBoxMax;
@@ -50,7 +50,10 @@ void main() {
   bool outside = uClip == 1 && (any(lessThan(position, uBoxMin)) || any(greaterThan(position, uBoxMax)));
   if (aInfo.w < 0.0 || outside) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   float width = (aInfo.y > 0.0 ? aInfo.y : uDefault) * uSplat;
-  gl_PointSize = clamp(uScale * width / max(-p.z, 1e-6), uLeast, uMost);
+  float size = uScale * width / max(-p.z, 1e-6);
+  // From near they grow by the root alone, and come apart in the end: points, not discs.
+  if (size > uClose) size = sqrt(size * uClose);
+  gl_PointSize = clamp(size, uLeast, uMost);
   if (uMode == 0) {
     vColor = aColor.rgb;
   } else if (uMode == 1) {
@@ -76,7 +79,7 @@ void main() {
 }`;
 
 // Cells of the map are about two pixels of the camera apart; a little more closes the surface.
-const SPLAT_WIDTHS = 3.4;
+const SPLAT_WIDTHS = 3;
 
 export class Splats {
   readonly group = new THREE.Group();
@@ -95,7 +98,8 @@ export class Splats {
         uDefault: { value: 0.01 },
         uSplat: { value: SPLAT_WIDTHS },
         uLeast: { value: 1.5 },
-        uMost: { value: 24 },
+        uClose: { value: 6 },
+        uMost: { value: 16 },
         uMode: { value: 0 },
         uClip: { value: 0 },
         uRange: { value: new THREE.Vector2(0, 1) },
@@ -171,9 +175,10 @@ export class Splats {
   fit(camera: THREE.PerspectiveCamera, heightPx: number, radius: number, pixelRatio: number): void {
     const uniforms = this.material.uniforms;
     uniforms.uScale.value = (heightPx / 2) * camera.projectionMatrix.elements[5];
-    uniforms.uDefault.value = (1.1 * radius) / Math.sqrt(Math.max(this.store.count, 1));
+    uniforms.uDefault.value = (0.8 * radius) / Math.sqrt(Math.max(this.store.count, 1));
     uniforms.uSplat.value = SPLAT_WIDTHS * this.size;
     uniforms.uLeast.value = 1.4 * pixelRatio;
-    uniforms.uMost.value = 28 * pixelRatio;
+    uniforms.uClose.value = 6 * pixelRatio;
+    uniforms.uMost.value = 16 * pixelRatio;
   }
 }

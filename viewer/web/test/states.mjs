@@ -8,7 +8,7 @@
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { existsSync, linkSync, mkdirSync, readdirSync, renameSync, rmSync } from "node:fs";
+import { chmodSync, existsSync, linkSync, mkdirSync, readdirSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { runTests, start } from "./program.mjs";
 
@@ -98,6 +98,10 @@ const scan = (images, name, ...more) => {
   rmSync(join(output, name), { recursive: true, force: true });
   return ["scan", "--data", images, "--board", join(board, "board.json"), "--calibration", join(board, "intrinsics.txt"), "-o", join(output, name), "--seeds", "20000", "--progress", "none", "--view", "--no-browser", ...more];
 };
+const flip = async (pages) => {
+  for (const page of Object.values(pages)) await page.evaluate(() => document.getElementById("b-theme").click());
+  await pause(500);
+};
 const banner = (page) => page.textContent("#banner");
 
 const tests = [];
@@ -155,10 +159,15 @@ test("an address of an earlier run does not let in, and the page says so", async
   await pause(300);
   await look(pages, "refused");
   assert.match(await banner(pages.desk), /another run/);
-  const stranger = await open(old);
-  await stranger.screenshot({ path: join(output, "desk-not-allowed.png") });
-  assert.match(await stranger.textContent("h1"), /Not allowed/);
-  await stranger.context().close();
+  for (const [kind, options] of [["desk", DESK], ["phone", PHONE]]) {
+    const stranger = await open(old, options);
+    await stranger.screenshot({ path: join(output, `${kind}-not-allowed.png`) });
+    assert.match(await stranger.textContent("h1"), /Not allowed/);
+    assert.match(await stranger.textContent("p"), /Open the address/);
+    // Its style got past its own policy.
+    assert.match(await stranger.evaluate(() => getComputedStyle(document.body).backgroundImage), /gradient/);
+    await stranger.context().close();
+  }
   for (const page of Object.values(pages)) await page.context().close();
 });
 
@@ -176,6 +185,64 @@ test("a board that is never seen is told while it is looked for", async () => {
   await until(pages.desk, () => window.__stats.ended !== null || window.__stats.link === "cut");
   for (const page of Object.values(pages)) await page.context().close();
   assert.equal(await run.ended, 3);
+});
+
+test("a run that fails says why, and keeps what it has", async () => {
+  // A disk that is full: the journal may not grow beyond so much.
+  const limited = join(output, "limited.sh");
+  writeFileSync(limited, `#!/bin/bash\nulimit -f 256\nexec "${program}" "$@"\n`);
+  chmodSync(limited, 0o755);
+  run = await start(limited, scan(join(board, "images"), "failed", "--realtime", "--wait", "--port", "0"));
+  pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
+  for (const page of Object.values(pages)) await status(page, "Ready");
+  await pages.desk.click("#b-pause");
+  for (const page of Object.values(pages)) await status(page, "Failed");
+  await pause(1500);
+  await look(pages, "failed");
+  assert.match(await banner(pages.desk), /The run failed.*\S/);
+  assert.equal(await run.ended, 4);
+  await flip(pages);
+  await look(pages, "failed-other-theme");
+  for (const page of Object.values(pages)) await page.context().close();
+});
+
+test("a program that dies leaves the page disconnected, and trying", async () => {
+  run = await start(program, scan(join(board, "images"), "killed", "--realtime", "--wait", "--port", "0"));
+  pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
+  for (const page of Object.values(pages)) await status(page, "Ready");
+  await pages.desk.click("#b-pause");
+  for (const page of Object.values(pages)) await until(page, () => window.__stats.points > 500);
+  await run.kill();
+  for (const page of Object.values(pages)) await status(page, "Disconnected");
+  await pause(1500);
+  await look(pages, "disconnected");
+  assert.match(await banner(pages.desk), /Connection lost/);
+  assert.ok(await pages.desk.isEnabled("#b-save"));
+  await flip(pages);
+  await look(pages, "disconnected-other-theme");
+  for (const page of Object.values(pages)) await page.context().close();
+});
+
+test("a scan's mesh and its points, from afar and from near", async () => {
+  for (const name of ["model.glb", "cloud.ply"]) {
+    run = await start(program, ["view", join(output, "scan", name), "--no-browser", "--port", "0"]);
+    pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
+    for (const page of Object.values(pages)) await status(page, "Finished");
+    await pause(1500);
+    await look(pages, name);
+    await flip(pages);
+    await look(pages, `${name}-other-theme`);
+    await pages.desk.mouse.move(550, 330);
+    for (let i = 0; i < 14; ++i) {
+      await pages.desk.mouse.wheel(0, -240);
+      await pause(60);
+    }
+    await pause(2000);
+    await look({ desk: pages.desk }, `${name}-near`);
+    assert.equal(await pages.desk.isVisible("#modes"), name === "cloud.ply"); // which a mesh has no use for
+    for (const page of Object.values(pages)) await page.context().close();
+    assert.equal(await run.stop(), 0);
+  }
 });
 
 const failed = await runTests(tests.filter((t) => t.name.includes(only)), async () => {
