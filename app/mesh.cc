@@ -54,14 +54,6 @@ struct MeshArguments {
   MeshOptions options;
 };
 
-void ShowShare(const std::string& stage, double share, Progress* progress) {
-  ProgressState state;
-  state.stage = stage;
-  state.done = static_cast<std::int64_t>(100 * share);
-  state.percent = true;
-  progress->Show(state);
-}
-
 /// Colours the mesh from the sharpest picture of each of so many stretches of the film.
 void ColorFromFrames(const MeshArguments& args,
                      Dataset* dataset,
@@ -90,7 +82,7 @@ void ColorFromFrames(const MeshArguments& args,
       sharpness = s;
       best = std::move(frame);
     }
-    ShowShare("colour", static_cast<double>(count) / static_cast<double>(total), progress);
+    progress->ShowShare("colour", static_cast<double>(count) / static_cast<double>(total));
   }
   use_best();
   if (built->mesh.colors.empty()) built->mesh.colors.resize(built->mesh.vertices.size());
@@ -102,7 +94,7 @@ BuiltMesh Build(const MeshArguments& args, MeshInput* input, Dataset* dataset, P
   MeshWatch watch;
   watch.stop = Interrupted;
   watch.progress = [progress](const std::string& stage, double share) {
-    ShowShare(stage, share, progress);
+    progress->ShowShare(stage, share);
   };
   BuiltMesh built = BuildMesh(input->cloud, input->cameras, args.options, watch);
   if (dataset != nullptr) ColorFromFrames(args, dataset, progress, &built);

@@ -13,6 +13,7 @@
 #include "livemvs/map/finish_cloud.h"
 #include "mesh_input.h"
 #include "mesh_output.h"
+#include "progress.h"
 
 namespace livemvs::app {
 namespace {
@@ -76,18 +77,28 @@ std::vector<StampedPose> PosesOf(const std::vector<FrameMessage>& frames) {
 void Print(const fs::path& path) { std::printf("%s\n", fs::absolute(path).c_str()); }
 
 /// Writes model.ply. The cloud is safe already: where there is no mesh, a warning says why.
-void WriteModel(const fs::path& folder, const ScanResult& result, nlohmann::json* statistics) {
-  if (result.points.empty()) return;
+void WriteModel(const fs::path& folder,
+                const ScanArguments& args,
+                const ScanResult& result,
+                nlohmann::json* statistics) {
   const fs::path path = folder / "model.ply";
+  LogInfo("making a mesh of the points; all the rest is written (--no-mesh: without)");
+  Progress progress(ParseProgressMode(args.progress));
+  MeshWatch watch;
+  watch.progress = [&](const std::string& stage, double share) {
+    progress.ShowShare("mesh: " + stage, share);
+  };
   try {
     const MeshOptions options;
     const BuiltMesh built =
-        BuildMesh(result.points, CamerasOf(result.camera, result.frames), options, {});
+        BuildMesh(result.points, CamerasOf(result.camera, result.frames), options, watch);
+    progress.Finish();
     WarnOfMesh(built.statistics, options);
     WritePly(path, built.mesh);
     (*statistics)["mesh"] = MeshJson(built);
     PrintMesh(built, path);
   } catch (const std::exception& e) {
+    progress.Finish();
     LogWarning("no mesh was made: " + std::string(e.what()));
     (*statistics)["mesh"] = {{"failure", e.what()}};
   }
@@ -129,7 +140,11 @@ void WriteScanResults(const fs::path& folder,
     WriteOpenCvYaml(folder / "camera.yaml", *result->camera);
     Print(folder / "camera.yaml");
   });
-  if (!args.no_mesh && !failure) WriteModel(folder, *result, &statistics);
+  if (!args.no_mesh && !failure && !result->points.empty()) {
+    // Who has no patience for the mesh has all the rest.
+    attempt([&] { SaveStatistics(folder / "statistics.json", statistics); });
+    WriteModel(folder, args, *result, &statistics);
+  }
   attempt([&] { WriteStatistics(folder / "statistics.json", statistics); });
   if (failure) std::rethrow_exception(failure);
 }

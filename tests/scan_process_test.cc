@@ -36,7 +36,7 @@ void ExpectLittleLost(Process* process,
     if (line.text.empty() || line.text[0] != '{') continue;
     if (duration<double>(killed - line.time).count() < kMostLost + stood_still) break;
     const auto json = nlohmann::json::parse(line.text, nullptr, false);
-    if (json.is_discarded()) continue;
+    if (json.is_discarded() || json.at("stage") != "scan") continue;
     frames = json.at("done").get<std::int64_t>();
     points = json.at("points").get<std::int64_t>();
   }
