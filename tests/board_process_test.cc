@@ -172,7 +172,8 @@ TEST_F(BoardProcess, SaysWhatARecordingWithTooLittleTurningLacks) {
     EXPECT_EQ(process.Wait(), 1) << process.text();
     const std::string text = process.text();
     EXPECT_NE(text.find("could not be calibrated from this recording"), std::string::npos) << text;
-    EXPECT_NE(text.find("livemvs calibrate"), std::string::npos) << text;
+    EXPECT_NE(text.find("film further around the board"), std::string::npos) << text;
+    EXPECT_NE(text.find("move it around the board"), std::string::npos) << text;
     EXPECT_FALSE(fs::exists(output)) << text;
   }
 }
