@@ -104,7 +104,7 @@ void AddBoardCommand(CLI::App& app) {
   command->add_option("--squares", a->squares, "COLUMNSxROWS; default 12x8");
   command->add_option("--square-mm", a->square_mm, "Side of a square; default: fills the page");
   command->add_option(
-      "--marker-mm", a->marker_mm, "Side of a marker; default: three quarters of it");
+      "--marker-mm", a->marker_mm, "Side of a marker; default: about three quarters of it");
   command->add_option("--dictionary", a->dictionary, "OpenCV's name; default DICT_4X4_250");
   command->add_option("--first-id", a->first_id, "Code of the first marker");
   command->add_flag("--top-left-white", a->top_left_white, "Start with a white square");

@@ -122,7 +122,9 @@ void RunCalibrate(CalibrateArguments a) {
       live ? CalibrateFromLive(a.input, ReadBoard(a.board), a.options, a.progress)
            : CalibrateFromRecording(a);
   if (result.with_board == 0) {
-    throw BoardNotSeen(live ? "camera" : a.input.data.string(), result.frames, a.board.string());
+    const std::string source =
+        a.input.device.empty() ? a.input.data.string() : "camera " + a.input.device;
+    throw BoardNotSeen(source, result.frames, a.board.string());
   }
   std::printf("the board was seen in %lld of %lld frames\n",
               static_cast<long long>(result.with_board),

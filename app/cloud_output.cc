@@ -78,11 +78,15 @@ void WriteCloud(const std::filesystem::path& path, bool estimate_normals, PointC
                             : "towards the camera that planted the seed");
 }
 
-void WriteStatistics(const std::filesystem::path& path, const nlohmann::json& statistics) {
+void SaveStatistics(const std::filesystem::path& path, const nlohmann::json& statistics) {
   AtomicFile file(path);
   // What comes from outside - names, messages - may not be UTF-8.
   file.Write(statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   file.Commit();
+}
+
+void WriteStatistics(const std::filesystem::path& path, const nlohmann::json& statistics) {
+  SaveStatistics(path, statistics);
   std::printf("%s\n", std::filesystem::absolute(path).c_str());
 }
 

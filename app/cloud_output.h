@@ -24,7 +24,10 @@ void ExplainEmptyCloud(const ReconstructionStatistics& statistics);
 /// Writes the cloud, with the normals of planes through neighbours where `estimate_normals`.
 void WriteCloud(const std::filesystem::path& path, bool estimate_normals, PointCloud* cloud);
 
-/// Writes statistics as JSON and prints the path.
+/// Writes statistics as JSON.
+void SaveStatistics(const std::filesystem::path& path, const nlohmann::json& statistics);
+
+/// The same, and prints the path.
 void WriteStatistics(const std::filesystem::path& path, const nlohmann::json& statistics);
 
 }  // namespace livemvs::app

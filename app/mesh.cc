@@ -84,7 +84,7 @@ void ColorFromFrames(const MeshArguments& args,
       sharpness = s;
       best = std::move(frame);
     }
-    ShowShare("colour", static_cast<double>(count) / static_cast<double>(total), progress);
+    progress->ShowShare("colour", static_cast<double>(count) / static_cast<double>(total));
   }
   use_best();
   if (built->mesh.colors.empty()) built->mesh.colors.resize(built->mesh.vertices.size());
@@ -96,7 +96,7 @@ BuiltMesh Build(const MeshArguments& args, MeshInput* input, Dataset* dataset, P
   MeshWatch watch;
   watch.stop = Interrupted;
   watch.progress = [progress](const std::string& stage, double share) {
-    ShowShare(stage, share, progress);
+    progress->ShowShare(stage, share);
   };
   BuiltMesh built = BuildMesh(input->cloud, input->cameras, args.options, watch);
   if (dataset != nullptr) ColorFromFrames(args, dataset, progress, &built);

@@ -45,14 +45,6 @@ void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
   }
 }
 
-void ShowShare(const std::string& stage, double share, Progress* progress) {
-  ProgressState state;
-  state.stage = stage;
-  state.done = static_cast<std::int64_t>(100 * share);
-  state.percent = true;
-  progress->Show(state);
-}
-
 nlohmann::json MeshJson(const BuiltMesh& built) {
   const MeshStatistics& s = built.statistics;
   return {

@@ -19,9 +19,6 @@ std::vector<Output> MeshOutputs(const std::filesystem::path& path);
 /// @throws as WriteGlb, WriteObj and WritePly.
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 
-/// Shows how much of a stage of the mesh is done.
-void ShowShare(const std::string& stage, double share, Progress* progress);
-
 /// What the statistics say of a mesh.
 nlohmann::json MeshJson(const BuiltMesh& built);
 

@@ -38,6 +38,14 @@ void Progress::Show(const ProgressState& state) {
   Print(state);
 }
 
+void Progress::ShowShare(const std::string& stage, double share) {
+  ProgressState state;
+  state.stage = stage;
+  state.done = static_cast<std::int64_t>(100 * share);
+  state.percent = true;
+  Show(state);
+}
+
 void Progress::Finish() {
   if (pending_) Print(state_);
   if (open_line_) std::fputc('\n', stderr);

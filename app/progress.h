@@ -30,6 +30,8 @@ class Progress {
   ~Progress();
 
   void Show(const ProgressState& state);
+  /// Shows how much of a stage is done, 0 to 1.
+  void ShowShare(const std::string& stage, double share);
   /// Shows the last state, whenever it was, and ends the line.
   void Finish();
 

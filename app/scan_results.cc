@@ -85,7 +85,7 @@ BuiltMesh BuildModel(const ScanArguments& args, const ScanResult& result) {
   MeshWatch watch;
   watch.stop = [before] { return Interruptions() > before; };
   watch.progress = [&progress](const std::string& stage, double share) {
-    ShowShare("mesh: " + stage, share, &progress);
+    progress.ShowShare("mesh: " + stage, share);
   };
   const MeshOptions options;
   BuiltMesh built =
@@ -101,7 +101,6 @@ bool WriteModel(const fs::path& folder,
                 const ScanArguments& args,
                 const ScanResult& result,
                 nlohmann::json* statistics) {
-  if (result.points.empty()) return false;
   LogInfo("making the mesh; Ctrl-C leaves it out");
   std::fflush(stdout);  // of the cloud is told before the mesh takes its time
   const fs::path path = folder / kModelName;
@@ -161,7 +160,11 @@ bool WriteScanResults(const fs::path& folder,
     Print(folder / "camera.yaml");
   });
   bool interrupted = false;
-  if (!args.no_mesh && !failure) interrupted = WriteModel(folder, args, *result, &statistics);
+  if (!args.no_mesh && !failure && !result->points.empty()) {
+    // Who has no patience for the mesh has all the rest.
+    attempt([&] { SaveStatistics(folder / "statistics.json", statistics); });
+    interrupted = WriteModel(folder, args, *result, &statistics);
+  }
   attempt([&] { WriteStatistics(folder / "statistics.json", statistics); });
   if (failure) std::rethrow_exception(failure);
   return interrupted;

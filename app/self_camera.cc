@@ -53,8 +53,10 @@ Camera FindCameraInRecording(const SelfCameraInput& recording,
   const Camera camera = tracker->camera();
   if (camera.fx <= 0) {
     throw Error(ErrorKind::kFailed,
-                "the camera could not be calibrated from this recording (" + seen.problem +
-                    "); give its calibration, from 'livemvs calibrate'");
+                recording.input.path.string() +
+                    ": the camera could not be calibrated from this recording (" + seen.problem +
+                    "); film further around the board, or give a calibration, from 'livemvs "
+                    "calibrate'");
   }
   char text[160];
   std::snprintf(text,

@@ -1,20 +1,16 @@
 // 'livemvs scan' as a program whose disk is full, whose camera goes away, or that does not see the
 // board.
 
-#include <fcntl.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "fifo.h"
 #include "livemvs/io/ply.h"
 #include "livemvs/io/video_source.h"
 #include "livemvs/stream/replay.h"
@@ -23,7 +19,7 @@
 namespace livemvs {
 namespace {
 
-using std::chrono::milliseconds;
+using testing_support::Fifo;
 using testing_support::Process;
 namespace fs = std::filesystem;
 
@@ -90,57 +86,21 @@ fs::path BoardRecording(const fs::path& folder) {
   return folder;
 }
 
-void Append(const Picture& picture, std::string* y4m) {
-  *y4m += "FRAME\n";
-  for (const auto* plane : {&picture.grey, &picture.cb, &picture.cr}) {
-    for (int y = 0; y < plane->height(); ++y) {
-      y4m->append(reinterpret_cast<const char*>(plane->Row(y)),
-                  static_cast<std::size_t>(plane->width()));
-    }
-  }
-}
-
-// Writes to a FIFO as a camera's program does, and goes away. False where nobody reads it.
-bool Send(const fs::path& fifo, const std::vector<std::string>& parts) {
-  int fd = -1;
-  for (int i = 0; i < 1000 && fd < 0; ++i) {
-    fd = ::open(fifo.c_str(), O_WRONLY | O_NONBLOCK);
-    if (fd < 0) std::this_thread::sleep_for(milliseconds(10));
-  }
-  if (fd < 0) return false;
-  ::fcntl(fd, F_SETFL, 0);  // from here on it waits
-  bool sent = true;
-  for (const std::string& part : parts) {
-    std::size_t done = 0;
-    while (sent && done < part.size()) {
-      const ssize_t n = ::write(fd, part.data() + done, part.size() - done);
-      sent = n > 0;
-      done += sent ? static_cast<std::size_t>(n) : 0;
-    }
-    std::this_thread::sleep_for(milliseconds(30));
-  }
-  ::close(fd);
-  return sent;
-}
-
 TEST_F(ScanProcess, ACameraThatGoesAwayInTheMiddleAndComesBack) {
-  std::signal(SIGPIPE, SIG_IGN);
   const fs::path recording = BoardRecording(folder_ / "board");
   const auto video = OpenVideo(recording / "video.mp4");
-  std::vector<std::string> first = {"YUV4MPEG2 W640 H480 F30:1 Ip C420\n"}, second = first;
+  std::vector<std::string> first = {testing_support::Y4mHeader(640, 480)}, second = first;
   while (const auto frame = video->Next()) {
-    std::string bytes;
-    Append(*frame->picture, &bytes);
-    (frame->index < 30 ? first : second).push_back(std::move(bytes));
+    (frame->index < 30 ? first : second).push_back(testing_support::Y4mFrame(*frame->picture));
   }
   ASSERT_EQ(second.size(), 31U);
   first.push_back(second[1].substr(0, 1000));  // dies within a picture
-  const fs::path fifo = folder_ / "camera";
-  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  const fs::path pipe = folder_ / "camera";
+  Fifo fifo(pipe);
   Process scan({LIVEMVS_PROGRAM,
                 "scan",
                 "--data",
-                fifo.string(),
+                pipe.string(),
                 "--board",
                 (recording / "board.json").string(),
                 "--calibration",
@@ -153,9 +113,9 @@ TEST_F(ScanProcess, ACameraThatGoesAwayInTheMiddleAndComesBack) {
                 "6",
                 "--progress",
                 "json"});
-  ASSERT_TRUE(Send(fifo, first)) << scan.text();
+  ASSERT_TRUE(fifo.Send(first)) << scan.text();
   EXPECT_TRUE(scan.WaitFor("camera lost")) << scan.text();
-  ASSERT_TRUE(Send(fifo, second)) << scan.text();
+  ASSERT_TRUE(fifo.Send(second)) << scan.text();
   EXPECT_EQ(scan.Wait(), 0) << scan.text();
   EXPECT_NE(scan.text().find("pictures come again"), std::string::npos) << scan.text();
   EXPECT_NE(scan.text().find("did not come back"), std::string::npos) << scan.text();

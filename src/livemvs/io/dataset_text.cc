@@ -11,16 +11,6 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
-// Words of messages: what a hostile file holds must not flood the terminal.
-std::string Shortened(std::string_view word) {
-  constexpr std::size_t kLongest = 40;
-  std::string s(word.substr(0, kLongest));
-  for (char& c : s) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return word.size() > kLongest ? s + "..." : s;
-}
-
 }  // namespace
 
 std::string Place(const std::filesystem::path& path, std::size_t line) {
@@ -88,6 +78,14 @@ std::vector<std::string_view> SplitWords(std::string_view line, std::string_view
     first = line.find_first_not_of(separators, end);
   }
   return words;
+}
+
+std::string Shortened(std::string_view word, std::size_t longest) {
+  std::string s(word.substr(0, longest));
+  for (char& c : s) {
+    if (c < 0x20 || c > 0x7e) c = '?';
+  }
+  return word.size() > longest ? s + "..." : s;
 }
 
 std::string ToLower(std::string_view s) {

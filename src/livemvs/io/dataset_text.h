@@ -45,6 +45,10 @@ std::string_view Trim(std::string_view s);
 /// The words of a line; separated by blanks, tabs and any character of `also`.
 std::vector<std::string_view> SplitWords(std::string_view line, std::string_view also = {});
 
+/// The beginning of what a file says, for messages: what hostile files hold must neither flood the
+/// terminal nor command it. Anything but printable ASCII becomes '?'.
+std::string Shortened(std::string_view word, std::size_t longest = 40);
+
 /// In lower case (ASCII).
 std::string ToLower(std::string_view s);
 

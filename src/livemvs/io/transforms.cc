@@ -1,35 +1,16 @@
 #include "livemvs/io/transforms.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "livemvs/core/error.h"
 #include "livemvs/core/log.h"
 #include "livemvs/io/dataset_check.h"
-#include "livemvs/io/dataset_text.h"
+#include "livemvs/io/json_file.h"
 
 namespace livemvs {
 namespace {
 
 using nlohmann::json;
-
-constexpr int kMaxDepth = 64;  // a legal file needs 5
-
-json ParseJson(const std::filesystem::path& file) {
-  const std::string text = ReadTextFile(file);
-  const auto limit_depth = [&](int depth, json::parse_event_t, json&) {
-    if (depth > kMaxDepth) {
-      throw BadInput(file.string() + ": nested deeper than " + std::to_string(kMaxDepth) +
-                     " levels; this is no transforms.json");
-    }
-    return true;
-  };
-  try {
-    return json::parse(text, limit_depth);
-  } catch (const json::exception& e) {
-    throw BadInput(file.string() + ": not valid JSON: " + std::string(e.what()).substr(0, 300));
-  }
-}
 
 // The place of a value in the file, and its frame before the whole file where both may state it.
 class Fields {
@@ -177,7 +158,7 @@ void NoteAppliedTransform(const json& all, const std::filesystem::path& file) {
 }  // namespace
 
 ImageSet ReadTransforms(const std::filesystem::path& file) {
-  const json all = ParseJson(file);
+  const json all = ReadJsonFile(file, {.what = "transforms.json"});
   if (!all.is_object() || !all.contains("frames") || !all["frames"].is_array()) {
     throw BadInput(file.string() + ": has no list 'frames'; this is no transforms.json");
   }

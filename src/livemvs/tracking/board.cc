@@ -1,9 +1,11 @@
 #include "livemvs/tracking/board.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
+#include "livemvs/io/dataset_text.h"
+#include "livemvs/tracking/board_flaw.h"
 #include "livemvs/tracking/dictionary.h"
 
 namespace livemvs {
@@ -16,12 +18,13 @@ constexpr double kMinSquare = 1e-4;  // [m]
 constexpr double kBelowPaper = 0.005;
 
 void Require(bool good, const std::string& field, const std::string& value, const char* must) {
-  if (!good) throw std::invalid_argument("board: " + field + " " + value + ": " + must);
+  if (!good) throw BoardFlaw(field, value + ": " + must);
 }
 
 std::string Number(double value) {
-  std::string text = std::to_string(value);
-  return std::isfinite(value) ? text : "that is not finite";
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
 }
 
 void CheckPlain(const Board& board) {
@@ -44,8 +47,11 @@ int WhiteSquares(const Board& board) {
 }  // namespace
 
 void Board::Check() const {
-  Require(columns >= 3 && columns <= kMaxSquares, "columns", std::to_string(columns), "3 to 200");
-  Require(rows >= 3 && rows <= kMaxSquares, "rows", std::to_string(rows), "3 to 200");
+  Require(columns >= 3 && columns <= kMaxSquares,
+          "columns",
+          std::to_string(columns),
+          "must be 3 to 200");
+  Require(rows >= 3 && rows <= kMaxSquares, "rows", std::to_string(rows), "must be 3 to 200");
   Require(square >= kMinSquare && square <= kMaxSquare,
           "square",
           Number(square),
@@ -55,8 +61,9 @@ void Board::Check() const {
           Number(marker),
           "must be 0.3 to 0.95 of the square's side");
   const int codes = DictionarySize(dictionary);
-  Require(codes > 0, "dictionary", "'" + dictionary.substr(0, 60) + "'", KnownDictionaries());
-  Require(first_id >= 0 && first_id <= codes - WhiteSquares(*this),
+  Require(codes > 0, "dictionary", "'" + Shortened(dictionary) + "'", KnownDictionaries());
+  Require(first_id >= 0, "first_id", std::to_string(first_id), "must not be negative");
+  Require(first_id <= codes - WhiteSquares(*this),
           "dictionary",
           dictionary,
           "has fewer codes than the sheet has white squares (after first_id); take a larger one");

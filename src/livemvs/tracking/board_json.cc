@@ -1,13 +1,14 @@
 // The description of a sheet as a file.
 
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
+#include <map>
 
 #include "livemvs/core/error.h"
 #include "livemvs/io/atomic_file.h"
 #include "livemvs/io/dataset_text.h"
+#include "livemvs/io/json_file.h"
 #include "livemvs/tracking/board.h"
+#include "livemvs/tracking/board_flaw.h"
 
 namespace livemvs {
 namespace {
@@ -16,23 +17,14 @@ using nlohmann::json;
 
 constexpr char kFormat[] = "livemvs board";
 constexpr int kVersion = 1;
-constexpr int kMaxDepth = 16;                             // a legal file needs 4
-constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  // of a sheet of 200 x 200 squares: 4 MB
-constexpr double kLayoutTolerance = 1e-6;                 // of the corners as written [m]
+constexpr double kLayoutTolerance = 1e-6;  // of the corners as written [m]
 
-json Parse(const std::filesystem::path& file) {
-  const std::string text = ReadTextFile(file, kMaxBytes);
-  const auto limit_depth = [&](int depth, json::parse_event_t, json&) {
-    if (depth > kMaxDepth) {
-      throw BadInput(file.string() + ": nested too deeply; this is no sheet of 'livemvs board'");
-    }
-    return true;
-  };
-  try {
-    return json::parse(text, limit_depth);
-  } catch (const json::exception& e) {
-    throw BadInput(file.string() + ": not valid JSON: " + std::string(e.what()).substr(0, 300));
-  }
+JsonLimits Limits() {
+  // A sheet of 200 x 200 squares takes 4 MB and needs a depth of 3.
+  return {.max_bytes = std::size_t{16} << 20,
+          .max_depth = 16,
+          .unique_keys = true,
+          .what = "description of 'livemvs board'"};
 }
 
 // Reads fields with the file's name in every message.
@@ -82,28 +74,57 @@ class Fields {
   std::string file_;
 };
 
-void CheckCornersAsWritten(const json& root, const Board& board, const Fields& fields) {
-  if (!root.contains("corners")) return;
-  const std::vector<BoardCorner> corners = CornersOf(board);
-  const json& written = root["corners"];
-  if (!written.is_array() || written.size() != corners.size()) {
-    fields.Fail("corners", "does not hold the corners of the layout");
+// A list of lists of numbers, where the file has it, must be what follows from the layout.
+void CheckAsWritten(const json& root,
+                    const char* name,
+                    const std::vector<std::vector<double>>& rows,
+                    const Fields& fields) {
+  if (!root.contains(name)) return;
+  const json& written = root[name];
+  if (!written.is_array() || written.size() != rows.size()) {
+    fields.Fail(name, "must be a list of the " + std::to_string(rows.size()) + " of the layout");
   }
-  for (std::size_t i = 0; i < corners.size(); ++i) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
     const json& row = written[i];
-    bool same = row.is_array() && row.size() == 4;
-    for (int k = 0; same && k < 4; ++k) {
-      const double expected = k == 0 ? corners[i].id : corners[i].point[k - 1];
-      same = row[k].is_number() && std::abs(row[k].get<double>() - expected) <= kLayoutTolerance;
+    bool same = row.is_array() && row.size() == rows[i].size();
+    for (std::size_t k = 0; same && k < rows[i].size(); ++k) {
+      same = row[k].is_number() && std::abs(row[k].get<double>() - rows[i][k]) <= kLayoutTolerance;
     }
-    if (!same) fields.Fail("corners", "row " + std::to_string(i) + " contradicts the layout");
+    if (!same) {
+      fields.Fail(name, "contradicts the layout in row " + std::to_string(i + 1) + " of the list");
+    }
   }
+}
+
+void CheckListsAsWritten(const json& root, const Board& board, const Fields& fields) {
+  std::vector<std::vector<double>> corners, markers;
+  for (const BoardCorner& c : CornersOf(board)) {
+    corners.push_back({static_cast<double>(c.id), c.point.x(), c.point.y(), c.point.z()});
+  }
+  for (const BoardMarker& m : MarkersOf(board)) {
+    markers.push_back(
+        {static_cast<double>(m.id), static_cast<double>(m.column), static_cast<double>(m.row)});
+  }
+  CheckAsWritten(root, "corners", corners, fields);
+  CheckAsWritten(root, "markers", markers, fields);
+}
+
+// What a field of Board is called in the file.
+std::string KeyOf(const std::string& field) {
+  static const std::map<std::string, std::string> keys = {
+      {"columns", "squares"}, {"rows", "squares"}, {"square", "square_m"}, {"marker", "marker_m"}};
+  const auto found = keys.find(field);
+  return found == keys.end() ? field : found->second;
 }
 
 Board Interpret(const json& root, const std::filesystem::path& file) {
   const Fields fields(root, file.string());
-  if (fields.Get<std::string>("format") != kFormat) fields.Fail("format", "is another");
-  if (fields.Get<int>("version") != kVersion) fields.Fail("version", "is not known here");
+  if (fields.Get<std::string>("format") != kFormat) {
+    fields.Fail("format", "must be '" + std::string(kFormat) + "'");
+  }
+  if (fields.Get<int>("version") != kVersion) {
+    fields.Fail("version", "must be " + std::to_string(kVersion));
+  }
   if (fields.Get<std::string>("kind") != "charuco") fields.Fail("kind", "must be 'charuco'");
   Board board;
   const std::vector<int> squares = fields.Integers("squares", 2);
@@ -124,10 +145,10 @@ Board Interpret(const json& root, const std::filesystem::path& file) {
   }
   try {
     board.Check();
-  } catch (const std::invalid_argument& e) {
-    throw BadInput(file.string() + ": " + e.what());
+  } catch (const BoardFlaw& flaw) {
+    fields.Fail(KeyOf(flaw.field), flaw.what_is_wrong);
   }
-  CheckCornersAsWritten(root, board, fields);
+  CheckListsAsWritten(root, board, fields);
   return board;
 }
 
@@ -144,9 +165,9 @@ std::string Rows(const char* name, const std::vector<std::string>& rows) {
 }  // namespace
 
 Board ReadBoard(const std::filesystem::path& file) {
-  const json root = Parse(file);
+  const json root = ReadJsonFile(file, Limits());
   if (!root.is_object()) {
-    throw BadInput(file.string() + ": no JSON object; this is no sheet of 'livemvs board'");
+    throw BadInput(file.string() + ": no JSON object; this is no description of 'livemvs board'");
   }
   return Interpret(root, file);
 }

@@ -147,23 +147,88 @@ TEST(BoardTest, DescriptionComesBack) {
 }
 
 TEST(BoardTest, HostileFilesAreRefused) {
-  EXPECT_NE(ReadError(""), "");
-  EXPECT_NE(ReadError("[1, 2"), "");
+  EXPECT_THAT(ReadError(""), HasSubstr("the file is empty"));
+  EXPECT_THAT(ReadError("[1, 2"), HasSubstr("not valid JSON"));
   EXPECT_THAT(ReadError("[1, 2]"), HasSubstr("no JSON object"));
   EXPECT_THAT(ReadError("{}"), HasSubstr("'format'"));
-  EXPECT_THAT(ReadError(std::string(100000, '[')), HasSubstr("nested too deeply"));
+  EXPECT_THAT(ReadError(std::string(100000, '[')), HasSubstr("nested deeper than 16"));
   const std::string good = Written(Board());
   EXPECT_EQ(ReadError(good), "");
   EXPECT_THAT(ReadError(good.substr(0, good.size() / 2)), HasSubstr("not valid JSON"));
-  EXPECT_THAT(ReadError(Replaced(good, "[12, 8]", "[1e9, 8]")), HasSubstr("'squares'"));
-  EXPECT_THAT(ReadError(Replaced(good, "[12, 8]", "[1000000, 1000000]")), HasSubstr("columns"));
-  EXPECT_THAT(ReadError(Replaced(good, "[12, 8]", "[-12, 8]")), HasSubstr("columns"));
-  EXPECT_THAT(ReadError(Replaced(good, "[12, 8]", "12")), HasSubstr("'squares'"));
-  EXPECT_THAT(ReadError(Replaced(good, "0.035,", "1e400,")), HasSubstr("not valid JSON"));
-  EXPECT_THAT(ReadError(Replaced(good, "0.035,", "\"x\",")), HasSubstr("'square_m'"));
-  EXPECT_THAT(ReadError(Replaced(good, "DICT_4X4_250", "DICT_9X9")), HasSubstr("DICT_9X9"));
-  EXPECT_THAT(ReadError(Replaced(good, "DICT_4X4_250", "DICT_4X4_50")), HasSubstr(""));
-  EXPECT_THAT(ReadError(Replaced(good, "0.035,", "0.036,")), HasSubstr("contradicts the layout"));
+}
+
+// What is wrong in a description that is right otherwise, and what must be said of it.
+struct Fault {
+  const char* what;
+  const char* by;
+  const char* key;
+  const char* says = "";
+};
+
+TEST(BoardTest, EachFaultIsNamedByItsKey) {
+  const std::string good = Written(Board());
+  const Fault faults[] = {
+      {"[12, 8]", "[1e9, 8]", "'squares'", "no whole number"},
+      {"[12, 8]", "[99999999999999999999, 8]", "'squares'", "no whole number"},
+      {"[12, 8]", "[1000000, 1000000]", "'squares'", "must be 3 to 200"},
+      {"[12, 8]", "[-12, 8]", "'squares'", "must be 3 to 200"},
+      {"[12, 8]", "[12, 8, 1]", "'squares'", "a list of 2"},
+      {"[12, 8]", "12", "'squares'", "a list of 2"},
+      {"0.035,", "1e400,", "'square_m'", "not valid JSON"},
+      {"0.035,", "NaN,", "'square_m'", "not valid JSON"},
+      {"0.035,", "-Infinity,", "'square_m'", "not valid JSON"},
+      {"0.035,", "-0.035,", "'square_m'", "-0.035: must be a length"},
+      {"0.035,", "1e300,", "'square_m'", "1e+300: must be a length"},
+      {"0.035,", "\"0.035\",", "'square_m'", "is no number"},
+      {"0.026,", "0,", "'marker_m'", "0.3 to 0.95"},
+      {"0.026,", "null,", "'marker_m'", "is no number"},
+      {"\"first_id\": 0", "\"first_id\": -1", "'first_id'", "-1: must not be"},
+      {"\"first_id\": 0", "\"first_id\": 0.5", "'first_id'", "no whole number"},
+      {"DICT_4X4_250", "DICT_9X9", "'dictionary'", "DICT_9X9"},
+      {"\"first_id\": 0", "\"first_id\": 203", "'dictionary'", "fewer codes"},
+      {"DICT_4X4_250", "\\u001b[2J", "'dictionary'", "'?[2J'"},
+      {"\"DICT_4X4_250\"", "{}", "'dictionary'", "is no text"},
+      {"\"black\"", "\"grey\"", "'top_left'", "'black' or 'white'"},
+      {"\"charuco\"", "\"circles\"", "'kind'", "'charuco'"},
+      {"\"version\": 1", "\"version\": 2", "'version'", "must be 1"},
+      {"\"format\"", "\"form\"", "'format'", "is missing"},
+      {"\"kind\"", "\"kind\": \"charuco\", \"kind\"", "'kind'", "twice"},
+      {"\"world\"", "\"plain\": [0, 0, 12, 8], \"x\"", "'plain'", "fewer than 8 corners"},
+      {"\"world\"", "\"plain\": [2, 2, 1000000, 1], \"x\"", "'plain'", "on the sheet"},
+      {"0.035,", "0.036,", "'corners'", "contradicts the layout in row 1 "},
+      {"\n    [1, ", "\n    [0, ", "'corners'", "contradicts the layout in row 2 "},
+      {"\n    [1, 3, 0]", "\n    [0, 3, 0]", "'markers'", "contradicts the layout in row 2 "},
+      {",\n    [47, 10, 7]", "", "'markers'", "the 48 of the layout"},
+      {"\"markers\": [", "\"markers\": [[], ", "'markers'", "the 48 of the layout"},
+      {"metres", "metres\xff", "'world'", "not valid JSON"},
+  };
+  for (const Fault& fault : faults) {
+    const std::string error = ReadError(Replaced(good, fault.what, fault.by));
+    EXPECT_THAT(error, HasSubstr(fault.key)) << fault.by;
+    EXPECT_THAT(error, HasSubstr(fault.says)) << fault.by;
+    EXPECT_LT(error.size(), 600U);
+    for (const char c : error) EXPECT_TRUE(c >= ' ' && c <= '~') << error;
+  }
+}
+
+TEST(BoardTest, EachMissingKeyIsNamed) {
+  const std::string good = Written(Board());
+  for (const std::string key : {"format",
+                                "version",
+                                "kind",
+                                "dictionary",
+                                "first_id",
+                                "squares",
+                                "square_m",
+                                "marker_m",
+                                "top_left"}) {
+    EXPECT_THAT(ReadError(Replaced(good, "\"" + key + "\"", "\"other\"")),
+                HasSubstr("'" + key + "' is missing"));
+  }
+  // These are for other programs.
+  for (const char* key : {"world", "corner_columns", "corners", "marker_columns", "markers"}) {
+    EXPECT_EQ(ReadError(Replaced(good, "\"" + std::string(key) + "\"", "\"other\"")), "");
+  }
 }
 
 TEST(BoardTest, SizesThatMakeNoSenseAreNamed) {

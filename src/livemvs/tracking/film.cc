@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "livemvs/synth/noise.h"
 #include "livemvs/synth/random.h"
@@ -187,6 +189,47 @@ void Film::CountCorners(FilmFrame* frame) const {
     ++frame->corners_in_view;
     frame->visible_corners += Hidden(frame->cam_from_world.Center(), corner.point) ? 0 : 1;
   }
+}
+
+namespace {
+
+// As a camera that is turned by quarters about its axis sees it.
+Image<std::uint8_t> Turned(const Image<std::uint8_t>& square, int quarters) {
+  const int size = square.width();
+  Image<std::uint8_t> turned(size, size);
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      int u = x, v = y;
+      for (int k = 0; k < quarters; ++k) u = size - 1 - std::exchange(v, u);
+      turned(x, y) = square(u, v);
+    }
+  }
+  return turned;
+}
+
+}  // namespace
+
+std::vector<Image<std::uint8_t>> FilmFromAllSides(const Camera& camera) {
+  if (camera.width != camera.height) throw std::invalid_argument("the picture must be square");
+  std::vector<Image<std::uint8_t>> pictures;
+  const std::vector<Vector3d> targets = {
+      {0, 0, 0}, {0.14, 0.1, 0}, {-0.14, 0.1, 0}, {-0.14, -0.1, 0}, {0.14, -0.1, 0}};
+  for (const Vector3d& target : targets) {
+    FilmOptions options;
+    options.camera = camera;
+    options.path.frames = 8;
+    options.path.arc_deg = 315;
+    options.path.target = target;
+    options.path.radius = 0.3;
+    options.path.height = 0.42;
+    options.noise_sigma = 2;
+    options.samples = 4;
+    const Film film(options);
+    for (int i = 0; i < options.path.frames; ++i) {
+      pictures.push_back(Turned(film.Frame(i).picture.grey, i % 4));
+    }
+  }
+  return pictures;
 }
 
 }  // namespace livemvs

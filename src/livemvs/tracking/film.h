@@ -65,4 +65,8 @@ class Film {
   std::vector<Eigen::Vector3f> rays_;  // of each pixel's samples; z = 0: none
 };
 
+/// Pictures that calibrate a square camera: somebody films the board from all sides and held in all
+/// ways, its corners in all parts of the picture. Forty of them, each by itself.
+std::vector<Image<std::uint8_t>> FilmFromAllSides(const Camera& camera);
+
 }  // namespace livemvs

@@ -62,43 +62,18 @@ TEST(CalibrationGuideTest, AsksForSlantsPartsOfThePictureAndMoreViewsInTurn) {
   EXPECT_EQ(guide.Missing(), "");
 }
 
-// The picture turned by quarters, as of a camera that is turned about its axis, as YUYV.
-std::string Turned(const Image<std::uint8_t>& grey, int quarters) {
-  std::string bytes;
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 0; x < kSize; ++x) {
-      int u = x, v = y;
-      for (int k = 0; k < quarters; ++k) {
-        const int turned = kSize - 1 - v;
-        v = u;
-        u = turned;
-      }
-      bytes += static_cast<char>(grey(u, v));
-      bytes += static_cast<char>(128);
-    }
-  }
-  return bytes;
-}
-
-// Somebody films the board from all sides, held in all ways.
-std::vector<std::string> Views(const Camera& camera) {
+// As the made-up camera gives them: YUYV.
+std::vector<std::string> Pictures(const Camera& camera) {
   std::vector<std::string> pictures;
-  const std::vector<Eigen::Vector3d> targets = {
-      {0, 0, 0}, {0.14, 0.1, 0}, {-0.14, 0.1, 0}, {-0.14, -0.1, 0}, {0.14, -0.1, 0}};
-  for (const Eigen::Vector3d& target : targets) {
-    FilmOptions options;
-    options.camera = camera;
-    options.path.frames = 8;
-    options.path.arc_deg = 315;
-    options.path.target = target;
-    options.path.radius = 0.3;
-    options.path.height = 0.42;
-    options.noise_sigma = 2;
-    options.samples = 4;
-    const Film film(options);
-    for (int i = 0; i < options.path.frames; ++i) {
-      pictures.push_back(Turned(film.Frame(i).picture.grey, i % 4));
+  for (const Image<std::uint8_t>& grey : FilmFromAllSides(camera)) {
+    std::string bytes;
+    for (int y = 0; y < grey.height(); ++y) {
+      for (int x = 0; x < grey.width(); ++x) {
+        bytes += static_cast<char>(grey(x, y));
+        bytes += static_cast<char>(128);
+      }
     }
+    pictures.push_back(std::move(bytes));
   }
   return pictures;
 }
@@ -107,7 +82,7 @@ TEST(LiveCalibrationTest, CalibratesACameraThatIsUnpluggedMeanwhileAndSaysWhatTo
   const Camera truth = SyntheticCamera(kSize, kSize);
   FakeV4l2 camera;
   camera.width = camera.height = kSize;
-  camera.pictures[V4L2_PIX_FMT_YUYV] = Views(truth);
+  camera.pictures[V4L2_PIX_FMT_YUYV] = Pictures(truth);
   const auto source = OpenCamera("2", {.mode = ParseMode("480x480:yuyv")}, camera);
   std::set<std::string> prompts;
   std::vector<std::string> news;
