@@ -7,7 +7,6 @@
 
 #include "livemvs/mesh/build_mesh.h"
 #include "output_check.h"
-#include "progress.h"
 
 namespace livemvs::app {
 
