@@ -190,7 +190,7 @@ test("a board that is never seen is told while it is looked for", async () => {
 test("a run that fails says why, and keeps what it has", async () => {
   // A disk that is full: the journal may not grow beyond so much.
   const limited = join(output, "limited.sh");
-  writeFileSync(limited, `#!/bin/bash\nulimit -f 256\nexec "${program}" "$@"\n`);
+  writeFileSync(limited, `#!/bin/bash\nulimit -f 64\nexec "${program}" "$@"\n`);
   chmodSync(limited, 0o755);
   run = await start(limited, scan(join(board, "images"), "failed", "--realtime", "--wait", "--port", "0"));
   pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
@@ -224,6 +224,7 @@ test("a program that dies leaves the page disconnected, and trying", async () =>
 });
 
 test("a scan's mesh and its points, from afar and from near", async () => {
+  livemvs("mesh", join(output, "scan"), "-o", join(output, "scan", "model.glb")); // closed before, it may have left it out
   for (const name of ["model.glb", "cloud.ply"]) {
     run = await start(program, ["view", join(output, "scan", name), "--no-browser", "--port", "0"]);
     pages = { desk: await open(run.url), phone: await open(run.url, PHONE) };
