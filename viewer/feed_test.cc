@@ -165,7 +165,7 @@ TEST(Feed, TakesFramesWithoutWaiting) {
   for (int i = 0; i < kFrames; ++i) feed.AddFrame(frame, points, {.frames = i}, nullptr);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  EXPECT_LT(seconds, 2.0);  // copies of 1.1 MB each; generous for sanitizers
+  EXPECT_LT(seconds, 30.0);  // copies of 1.1 MB each: far more than they take on a busy machine
   feed.End({.frames = kFrames});
   EXPECT_EQ(ReplayOf(log).frames().size(), static_cast<std::size_t>(kFrames));
 }
