@@ -92,13 +92,12 @@ class GlbBuilder {
       AddPlain(&primitive);
     }
     if (model.IsMesh()) {
-      json_["materials"] = {
-          {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
-           {"doubleSided", true}}};
+      const json matte = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
+      json_["materials"] = json::array({{{"pbrMetallicRoughness", matte}, {"doubleSided", true}}});
       primitive["material"] = 0;
     }
-    json_["meshes"] = {{{"primitives", {primitive}}}};
-    json_["buffers"] = {{{"byteLength", size_}}};
+    json_["meshes"] = json::array({{{"primitives", json::array({primitive})}}});
+    json_["buffers"] = json::array({{{"byteLength", size_}}});
   }
 
   void Write(const std::filesystem::path& path) const {
@@ -144,8 +143,9 @@ class GlbBuilder {
       node["translation"] = {t.x(), t.y(), t.z()};
     }
     json_["scene"] = 0;
-    json_["scenes"] = {{{"nodes", {0}}}};
-    json_["nodes"] = {node};
+    json_["scenes"] = json::array({{{"nodes", json::array({0})}}});
+    // Not {node}: compilers differ in whether that is an array.
+    json_["nodes"] = json::array({node});
   }
 
   /// A view of the buffer, padded to four bytes.
@@ -250,8 +250,8 @@ class GlbBuilder {
         AddView(size, 0, [bytes = std::move(mesh.bytes)](AtomicFile& file) { file.Write(bytes); });
     const char* kExtension = "KHR_draco_mesh_compression";
     (*primitive)["extensions"][kExtension] = {{"bufferView", view}, {"attributes", ids}};
-    json_["extensionsUsed"] = {kExtension};
-    json_["extensionsRequired"] = {kExtension};
+    json_["extensionsUsed"] = json::array({kExtension});
+    json_["extensionsRequired"] = json::array({kExtension});
   }
 
   const ExchangeModel& model_;
