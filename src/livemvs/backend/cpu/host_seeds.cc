@@ -2,8 +2,8 @@
 
 #include <cassert>
 #include <cstring>
-#include <stdexcept>
-#include <string>
+
+#include "livemvs/backend/seed_access.h"
 
 namespace livemvs {
 namespace {
@@ -47,28 +47,13 @@ void HostSeeds::Append(std::span<const NewSeed> seeds, const Posterior<float>& p
   CheckRoom(end_, seeds.size(), capacity_);
   for (const NewSeed& seed : seeds) {
     const std::size_t i = end_++;
-    columns_.mu[i] = prior.mu;
-    columns_.sigma2[i] = prior.sigma2;
-    columns_.a[i] = prior.a;
-    columns_.b[i] = prior.b;
     columns_.c0[i] = seed.interval.c0;
     columns_.c1[i] = seed.interval.c1;
     columns_.bearing_x[i] = seed.bearing_x;
     columns_.bearing_y[i] = seed.bearing_y;
     CopyPatch(seed, columns_.patch + i * kPatchPixels);
-    columns_.counts[i] = {0, 0, 0};
-    columns_.fate[i] = Fate::kAlive;
+    StartSeed(columns_, i, prior);
   }
-}
-
-SeedState HostSeeds::StateOf(std::size_t i) const {
-  const SeedColumns& s = columns_;
-  return {{s.c0[i], s.c1[i]},
-          s.bearing_x[i],
-          s.bearing_y[i],
-          {s.mu[i], s.sigma2[i], s.a[i], s.b[i]},
-          s.counts[i],
-          s.fate[i]};
 }
 
 std::span<const EndedSeed> HostSeeds::TakeEnded() {
@@ -77,7 +62,7 @@ std::span<const EndedSeed> HostSeeds::TakeEnded() {
     i = SkipAlive(columns_.fate, i, end_);
     if (i == end_) break;
     if (columns_.fate[i] == Fate::kRemoved) continue;
-    ended_.push_back({static_cast<std::uint32_t>(i), StateOf(i)});
+    ended_.push_back({static_cast<std::uint32_t>(i), StateOf(columns_, i)});
     columns_.fate[i] = Fate::kRemoved;
   }
   removed_ += ended_.size();
@@ -85,18 +70,9 @@ std::span<const EndedSeed> HostSeeds::TakeEnded() {
 }
 
 void HostSeeds::Move(std::size_t from, std::size_t to) {
-  columns_.mu[to] = columns_.mu[from];
-  columns_.sigma2[to] = columns_.sigma2[from];
-  columns_.a[to] = columns_.a[from];
-  columns_.b[to] = columns_.b[from];
-  columns_.c0[to] = columns_.c0[from];
-  columns_.c1[to] = columns_.c1[from];
-  columns_.bearing_x[to] = columns_.bearing_x[from];
-  columns_.bearing_y[to] = columns_.bearing_y[from];
+  CopySeed(columns_, from, columns_, to);
   std::memcpy(
       columns_.patch + to * kPatchPixels, columns_.patch + from * kPatchPixels, kPatchPixels);
-  columns_.counts[to] = columns_.counts[from];
-  columns_.fate[to] = columns_.fate[from];
 }
 
 void HostSeeds::Compact() {
@@ -115,7 +91,7 @@ void HostSeeds::Compact() {
 std::vector<SeedState> HostSeeds::Read(std::size_t begin, std::size_t end, std::size_t step) const {
   std::vector<SeedState> seeds;
   seeds.reserve((end - begin) / step + 1);
-  for (std::size_t i = begin; i < end; i += step) seeds.push_back(StateOf(i));
+  for (std::size_t i = begin; i < end; i += step) seeds.push_back(StateOf(columns_, i));
   return seeds;
 }
 

@@ -27,7 +27,6 @@ class HostSeeds {
  private:
   template <typename T>
   T* Column(std::size_t per_seed, std::size_t padding);
-  SeedState StateOf(std::size_t i) const;
   void Move(std::size_t from, std::size_t to);
 
   std::size_t capacity_;

@@ -4,6 +4,7 @@
 #include <cub/device/device_select.cuh>
 
 #include "livemvs/backend/cuda/device_seeds.h"
+#include "livemvs/backend/seed_access.h"
 
 namespace livemvs::cuda {
 namespace {
@@ -36,22 +37,7 @@ __global__ void StartSeeds(SeedColumns s,
                            Posterior<float> prior) {
   const std::size_t thread = ThreadNumber();
   if (thread >= n) return;
-  const std::size_t i = begin + thread;
-  s.mu[i] = prior.mu;
-  s.sigma2[i] = prior.sigma2;
-  s.a[i] = prior.a;
-  s.b[i] = prior.b;
-  s.counts[i] = {0, 0, 0};
-  s.fate[i] = Fate::kAlive;
-}
-
-__device__ SeedState StateOf(const SeedColumns& s, std::size_t i) {
-  return {{s.c0[i], s.c1[i]},
-          s.bearing_x[i],
-          s.bearing_y[i],
-          {s.mu[i], s.sigma2[i], s.a[i], s.b[i]},
-          s.counts[i],
-          s.fate[i]};
+  StartSeed(s, begin + thread, prior);
 }
 
 __global__ void GatherEnded(SeedColumns s,
@@ -78,17 +64,7 @@ __global__ void MoveSeeds(SeedColumns from,
                           SeedColumns to) {
   const std::size_t i = ThreadNumber();
   if (i >= n) return;
-  const std::uint32_t slot = slots[i];
-  to.mu[i] = from.mu[slot];
-  to.sigma2[i] = from.sigma2[slot];
-  to.a[i] = from.a[slot];
-  to.b[i] = from.b[slot];
-  to.c0[i] = from.c0[slot];
-  to.c1[i] = from.c1[slot];
-  to.bearing_x[i] = from.bearing_x[slot];
-  to.bearing_y[i] = from.bearing_y[slot];
-  to.counts[i] = from.counts[slot];
-  to.fate[i] = from.fate[slot];
+  CopySeed(from, slots[i], to, i);
 }
 
 // A thread for each word of the patches, so that they are written side by side.

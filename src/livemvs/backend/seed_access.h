@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+
+#include "livemvs/backend/seed_columns.h"
+#include "livemvs/backend/seed_state.h"
+#include "livemvs/core/platform.h"
+
+namespace livemvs {
+
+// What stores of seeds do with one of them, on the host and on devices.
+
+/// The state of seed i.
+LIVEMVS_HD inline SeedState StateOf(const SeedColumns& s, std::size_t i) {
+  return {{s.c0[i], s.c1[i]},
+          s.bearing_x[i],
+          s.bearing_y[i],
+          {s.mu[i], s.sigma2[i], s.a[i], s.b[i]},
+          s.counts[i],
+          s.fate[i]};
+}
+
+/// Lets seed i begin with that posterior; its ray and patch are there.
+LIVEMVS_HD inline void StartSeed(const SeedColumns& s,
+                                 std::size_t i,
+                                 const Posterior<float>& prior) {
+  s.mu[i] = prior.mu;
+  s.sigma2[i] = prior.sigma2;
+  s.a[i] = prior.a;
+  s.b[i] = prior.b;
+  s.counts[i] = {0, 0, 0};
+  s.fate[i] = Fate::kAlive;
+}
+
+/// Copies seed i to slot j, but for its patch.
+LIVEMVS_HD inline void CopySeed(const SeedColumns& from,
+                                std::size_t i,
+                                const SeedColumns& to,
+                                std::size_t j) {
+  to.mu[j] = from.mu[i];
+  to.sigma2[j] = from.sigma2[i];
+  to.a[j] = from.a[i];
+  to.b[j] = from.b[i];
+  to.c0[j] = from.c0[i];
+  to.c1[j] = from.c1[i];
+  to.bearing_x[j] = from.bearing_x[i];
+  to.bearing_y[j] = from.bearing_y[i];
+  to.counts[j] = from.counts[i];
+  to.fate[j] = from.fate[i];
+}
+
+}  // namespace livemvs
