@@ -134,6 +134,35 @@ TEST(BuildMesh, BridgesAGapThatCamerasLookInto) {
   EXPECT_TRUE(HasVertexNear(built.mesh, {0, 0, 0}, 0.002F));
 }
 
+TEST(BuildMesh, KeepsPartsWithFewerPoints) {
+  // Voxels follow the usual spacing of the points, which is a third of that on the smaller sphere.
+  CloudMaker maker(0.0005);
+  const Eigen::Vector3d center(0.2, 0, 0);
+  AddCamerasAround(0.6, &maker);
+  maker.AddSphere(Eigen::Vector3d::Zero(), kRadius, 40000);
+  maker.AddSphere(center, 0.3 * kRadius, 40000 * 0.09 / 9);
+  const auto share_near = [&](const TriangleMesh& mesh) {
+    constexpr int kRings = 12;
+    int near = 0, all = 0;
+    for (int i = 1; i < kRings; ++i) {
+      for (int j = 0; j < 2 * kRings; ++j, ++all) {
+        const double theta = M_PI * i / kRings, phi = M_PI * j / kRings;
+        const Eigen::Vector3d n(
+            std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+        const Eigen::Vector3d at = center + 0.3 * kRadius * n;
+        near += HasVertexNear(mesh, at.cast<float>(), 0.004F) ? 1 : 0;
+      }
+    }
+    return static_cast<double>(near) / all;
+  };
+  MeshOptions options;
+  const BuiltMesh built = BuildMesh(maker.cloud(), maker.cameras(), options, {});
+  ExpectSound(built);
+  EXPECT_GT(share_near(built.mesh), 0.9);
+  options.coarse_trust = 0;
+  EXPECT_LT(share_near(BuildMesh(maker.cloud(), maker.cameras(), options, {}).mesh), 0.5);
+}
+
 TEST(BuildMesh, DecimatesToSoManyFaces) {
   CloudMaker maker = Sphere(0.0005, 10000);
   MeshOptions options;

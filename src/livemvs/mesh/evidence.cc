@@ -56,8 +56,8 @@ class Gatherer {
         const double solid = o.inside_prior +
                              std::min(o.inside_gain * behind_.At(i), o.inside_limit) -
                              std::min(o.free_gain * free_.At(i), o.free_limit);
-        evidence.solid[i] = static_cast<std::int16_t>(
-            std::lround(std::clamp(kCapacityScale * o.lambda * solid, -32000.0, 32000.0)));
+        evidence.solid[i] = static_cast<std::int16_t>(std::lround(
+            std::clamp<double>(kCapacityScale * o.lambda * solid, -kMostEvidence, kMostEvidence)));
         const double rho = std::max(o.rho_min, std::exp(-o.vote_gain * votes_.At(i)));
         evidence.cost[i] = static_cast<std::uint16_t>(std::lround(kCapacityScale * rho));
       }

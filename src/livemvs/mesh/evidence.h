@@ -36,6 +36,8 @@ struct Evidence {
 
 /// Capacity of a link where no point votes.
 inline constexpr int kCapacityScale = 1000;
+/// Evidence::solid lies within +- this.
+inline constexpr int kMostEvidence = 32000;
 
 /// Gathers the evidence of all lines of sight in the voxels that are there. Multi-threaded; sums
 /// are of integers, so that the result does not depend on the number of threads.

@@ -30,6 +30,7 @@ void MeshOptions::Check() const {
   positive("inside_gain", inside_gain);
   positive("inside_limit", inside_limit);
   not_negative("inside_prior", inside_prior);
+  not_negative("coarse_trust", coarse_trust);
   positive("vote_gain", vote_gain);
   Require(rho_min > 0 && rho_min <= 1, "rho_min", rho_min, "in (0, 1]");
   positive("lambda", lambda);

@@ -19,6 +19,7 @@ struct MeshOptions {
   double inside_gain = 0.5;    ///< Log-odds of 'solid' that one point adds just behind it.
   double inside_limit = 4;     ///< Most that all of them add.
   double inside_prior = 0.02;  ///< Log-odds of 'solid' where nothing was seen.
+  double coarse_trust = 2;     ///< Log-odds that the label of the next coarser level adds.
   double vote_gain = 1.5;      ///< kappa of rho = exp(-kappa votes).
   double rho_min = 0.02;       ///< Least cost of surface, where the points agree.
   double lambda = 0.5;         ///< Weight of the log-odds against the surface's area.
@@ -31,7 +32,7 @@ struct MeshOptions {
   double least_facing =
       0.35;                  ///< Other surface must be seen at this cosine to its normal, at least.
   int fairing_rounds = 100;  ///< That draw surface taut which no point holds.
-  double support = 8;        ///< Surface farther from every point is open. [voxel]
+  double support = 9;        ///< Surface farther from every point is open. [voxel]
   double least_component = 0.002;  ///< Smaller parts are specks: share of the largest's area.
   std::size_t faces = 0;           ///< Most faces after decimation; 0: as they come.
 

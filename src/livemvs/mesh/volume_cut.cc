@@ -6,14 +6,16 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/mesh/tile_cut.h"
+#include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
 namespace {
 
 using Keys = std::vector<VoxelBlocks::Key>;
 
-/// Voxels between the points and the sides of the box, at least.
-constexpr int kMargin = 10;
+/// Voxels between the points and the sides of the box, at least: of the finest level and of the
+/// coarsest, whose surface must find room behind the points.
+constexpr double kMargin = 10, kCoarseMargin = 4;
 /// The coarsest level has no more voxels than this, ...
 constexpr double kMostCoarseVoxels = 600'000;
 constexpr std::size_t kMostLevels = 21;
@@ -31,14 +33,17 @@ std::vector<VoxelFrame> MakeFrames(const SightLines& sights, double h) {
     lo = lo.cwiseMin(l.position.cast<double>());
     hi = hi.cwiseMax(l.position.cast<double>());
   }
-  const Eigen::Array3d extent = (hi - lo).array() / h + 2 * kMargin + 1;
-  if (!(extent.maxCoeff() < kMostVoxelsAcross)) return {};
   std::size_t levels = 1;
   double scale = 1;
-  while (levels < kMostLevels && (extent / scale).ceil().prod() > kMostCoarseVoxels) {
+  const auto extent_of = [&](double coarsest) -> Eigen::Array3d {
+    return (hi - lo).array() / h + 2 * std::max(kMargin, kCoarseMargin * coarsest) + 1;
+  };
+  while (levels < kMostLevels && (extent_of(scale) / scale).ceil().prod() > kMostCoarseVoxels) {
     ++levels;
     scale *= 2;
   }
+  const Eigen::Array3d extent = extent_of(scale);
+  if (!(extent.maxCoeff() < kMostVoxelsAcross)) return {};
   // Whole blocks of the coarsest level, with the points in the middle.
   const double unit = scale * VoxelBlocks::kSide;
   const Eigen::Array3d size = (extent / unit).ceil() * unit;
@@ -140,6 +145,33 @@ std::vector<VoxelFrame> FitFrames(const SightLines& sights, const MeshOptions& o
                   " MB; allow more with --memory, or choose a coarser --resolution");
 }
 
+/// Whether the voxel and its six neighbours have the same label.
+bool Uniform(const LabelVolume& volume, std::size_t level, const Voxel& voxel, bool solid) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {-1, 1}) {
+      if (volume.Solid(level, voxel + side * Voxel::Unit(axis)) != solid) return false;
+    }
+  }
+  return true;
+}
+
+/// Lets the next coarser level speak too, but for the voxels at its surface, which may be one of
+/// its voxels off: where points are sparse for this level's voxels, little else does.
+void TrustCoarser(const LabelVolume& volume, std::size_t l, double trust, Evidence* evidence) {
+  const LabelLevel& level = volume.levels[l];
+  const auto amount = static_cast<int>(std::lround(kCapacityScale * trust));
+  ParallelForRange(0, level.blocks.voxels(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Voxel coarse = level.blocks.VoxelAt(static_cast<std::int64_t>(i)) / 2;
+      const bool solid = volume.Solid(l + 1, coarse);
+      if (!Uniform(volume, l + 1, coarse, solid)) continue;
+      const int sum = evidence->solid[i] + (solid ? amount : -amount);
+      evidence->solid[i] =
+          static_cast<std::int16_t>(std::clamp(sum, -kMostEvidence, kMostEvidence));
+    }
+  });
+}
+
 }  // namespace
 
 bool LabelVolume::Solid(std::size_t level, Voxel voxel) const {
@@ -173,8 +205,10 @@ LabelVolume CutVolume(const SightLines& sights,
     // In the bands about it, the coarsest surface stands for what was seen nowhere.
     MeshOptions of_level = options;
     if (l + 1 != volume.levels.size()) of_level.inside_prior = 0;
-    const Evidence evidence =
-        GatherEvidence(sights.lines, level.frame, level.blocks, of_level, watch);
+    Evidence evidence = GatherEvidence(sights.lines, level.frame, level.blocks, of_level, watch);
+    if (l + 1 != volume.levels.size()) {
+      TrustCoarser(volume, l, options.lambda * options.coarse_trust, &evidence);
+    }
     CutLevel(l, evidence, watch, &volume);
   }
   return volume;
