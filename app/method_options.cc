@@ -33,7 +33,7 @@ SceneRange UncheckedRange(const MethodArguments& args, const Dataset& dataset) {
 
 void AddMethodOptions(CLI::App* command, MethodArguments* args) {
   command->add_option("--preset", args->preset, "default, or paper: the method as published");
-  command->add_option("--box", args->box, "Reconstruct inside of x0 y0 z0 x1 y1 z1 [scene units]")
+  command->add_option("--box", args->box, "Keep what is inside of x0 y0 z0 x1 y1 z1 [scene units]")
       ->expected(6);
   command->add_option("--near", args->near, "Least depth [scene units]")
       ->check(CLI::PositiveNumber);

@@ -99,15 +99,17 @@ class TraceObserver : public SeedObserver {
 // Regularises and writes the cloud; says so in the statistics and on standard output.
 void WriteResults(const RunArguments& args,
                   const Options& options,
+                  const SceneRange& range,
                   Reconstructor* reconstructor,
                   nlohmann::json* statistics) {
   PointCloud cloud = reconstructor->TakePoints();
-  const FinishedCloud finished = FinishCloud(options, &cloud);
+  const FinishedCloud finished = FinishCloud(options, range.box, &cloud);
   if (cloud.empty()) ExplainEmptyCloud(reconstructor->statistics());
   WriteCloud(args.output, !args.ray_normals && !Interrupted(), &cloud);
   (*statistics)["points"] = cloud.size();
   (*statistics)["removed"] = {{"superseded", finished.superseded},
-                              {"unsupported", finished.unsupported}};
+                              {"unsupported", finished.unsupported},
+                              {"outside", finished.outside}};
 }
 
 void Run(const RunArguments& args) {
@@ -153,7 +155,7 @@ void Run(const RunArguments& args) {
 
   nlohmann::json statistics =
       StatisticsJson(args, options, range, *dataset, frame_statistics, reconstructor);
-  WriteResults(args, options, &reconstructor, &statistics);
+  WriteResults(args, options, range, &reconstructor, &statistics);
   const double total_seconds = SecondsSince(start);
   statistics["frames_per_second"] = rate;
   statistics["seconds"]["loop"] = loop_seconds;

@@ -139,12 +139,14 @@ bool WriteScanResults(const fs::path& folder,
   };
   nlohmann::json statistics = StatisticsOf(args, settings, *result);
   attempt([&] {
-    const FinishedCloud finished = FinishCloud(settings.method, &result->points);
+    const FinishedCloud finished =
+        FinishCloud(settings.method, settings.range.box, &result->points);
     if (result->points.empty()) ExplainEmptyCloud(result->reconstruction);
     WriteCloud(folder / "cloud.ply", true, &result->points);
     statistics["points"] = result->points.size();
     statistics["removed"] = {{"superseded", finished.superseded},
-                             {"unsupported", finished.unsupported}};
+                             {"unsupported", finished.unsupported},
+                             {"outside", finished.outside}};
     std::printf("%zu points from %zu frames\n", result->points.size(), result->frames.size());
     Print(folder / "cloud.ply");
   });

@@ -94,7 +94,7 @@ void House(const Settings& settings) {
               "5 mm,median error [mm],90 % error [mm]");
   for (Run& run : runs) {
     PointCloud cloud = run.reconstructor->TakePoints();
-    FinishCloud(run.options, &cloud);
+    FinishCloud(run.options, scene.box(), &cloud);
     const Evaluation e = EvaluateAgainstMesh(cloud, surface, cameras, options);
     const auto accuracy = [&](double mm) { return ShareWithin(e.accuracy, mm / kMillimetres); };
     const auto complete = [&](double mm) { return ShareWithin(e.completeness, mm / kMillimetres); };

@@ -41,6 +41,8 @@ struct Box {
   bool Contains(const Eigen::Vector3d& p) const {
     return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
   }
+  /// The box with each side that much further out.
+  Box Grown(double by) const { return {min.array() - by, max.array() + by}; }
 };
 
 }  // namespace livemvs

@@ -5,12 +5,18 @@
 
 namespace livemvs {
 
-FinishedCloud FinishCloud(const Options& options, PointCloud* cloud) {
+FinishedCloud FinishCloud(const Options& options,
+                          const std::optional<Box>& box,
+                          PointCloud* cloud) {
   FinishedCloud result;
   if (options.levels > 1) result.superseded = RemoveSuperseded(cloud);
   if (options.regularise_px > 0) {
     result.unsupported =
         Regularise({.radius_px = options.regularise_px, .min_support = options.min_support}, cloud);
+  }
+  if (box) {
+    result.outside = std::erase_if(
+        *cloud, [&](const Point& p) { return !box->Contains(p.position.cast<double>()); });
   }
   return result;
 }

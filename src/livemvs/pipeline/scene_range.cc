@@ -110,20 +110,27 @@ void SceneRange::Check() const {
   }
 }
 
+std::optional<Box> SceneRange::SoughtBox() const {
+  constexpr double kMargin = 0.015;  // of the diagonal
+  if (!box) return std::nullopt;
+  return box->Grown(kMargin * (box->max - box->min).norm());
+}
+
 std::optional<std::pair<double, double>> SceneRange::Along(const Eigen::Vector3d& center,
                                                            const Eigen::Vector3d& direction,
                                                            double cosine) const {
   double lo = near / cosine;
   double hi = far / cosine;
-  if (box) {
+  if (const std::optional<Box> sought = SoughtBox()) {
     for (int axis = 0; axis < 3; ++axis) {
       const double d = direction[axis];
       if (std::abs(d) < 1e-12) {
-        if (center[axis] < box->min[axis] || center[axis] > box->max[axis]) return std::nullopt;
+        if (center[axis] < sought->min[axis] || center[axis] > sought->max[axis])
+          return std::nullopt;
         continue;
       }
-      const double s0 = (box->min[axis] - center[axis]) / d;
-      const double s1 = (box->max[axis] - center[axis]) / d;
+      const double s0 = (sought->min[axis] - center[axis]) / d;
+      const double s1 = (sought->max[axis] - center[axis]) / d;
       lo = std::max(lo, std::min(s0, s1));
       hi = std::min(hi, std::max(s0, s1));
     }
@@ -135,13 +142,14 @@ std::optional<std::pair<double, double>> SceneRange::Along(const Eigen::Vector3d
 SceneRange RangeOfBox(const Box& box, const std::vector<PosedCamera>& cameras) {
   SceneRange range;
   range.box = box;
+  const Box sought = *range.SoughtBox();
   std::vector<double> nearest_depths, farthest_depths;
   for (const PosedCamera& c : cameras) {
     double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
     for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d p(corner & 1 ? box.max.x() : box.min.x(),
-                              corner & 2 ? box.max.y() : box.min.y(),
-                              corner & 4 ? box.max.z() : box.min.z());
+      const Eigen::Vector3d p(corner & 1 ? sought.max.x() : sought.min.x(),
+                              corner & 2 ? sought.max.y() : sought.min.y(),
+                              corner & 4 ? sought.max.z() : sought.min.z());
       const double z = (c.cam_from_world * p).z();
       nearest = std::min(nearest, z);
       farthest = std::max(farthest, z);

@@ -11,15 +11,19 @@
 
 namespace livemvs {
 
-/// Where surfaces are sought: in a box, or between two depths, or both. [scene]
+/// Where surfaces are wanted: in a box, or between two depths, or both. [scene]
 struct SceneRange {
-  std::optional<Box> box;  ///< World.
+  std::optional<Box> box;  ///< World. FinishCloud() drops the points outside of it.
   double near = 0;         ///< Least planar depth.
   double far = 0;          ///< Largest planar depth.
   std::string origin;      ///< For people: where the range comes from.
 
   /// @throws std::invalid_argument where the range is empty or not finite.
   void Check() const;
+
+  /// Where surfaces are sought: somewhat beyond the box, so that points at its sides have
+  /// neighbours and the rays to them do not end there.
+  std::optional<Box> SoughtBox() const;
 
   /// The stretch of a ray [near, far] in distances along the unit bearing, or nothing where it
   /// misses.

@@ -84,7 +84,7 @@ TEST(SceneRangeTest, RayThroughTheBoxByMarching) {
     constexpr double kStep = 0.002;
     double first = -1, last = -1;
     for (double s = 0.002; s < 12; s += kStep) {
-      if (!range.box->Contains(center + s * direction)) continue;
+      if (!range.SoughtBox()->Contains(center + s * direction)) continue;
       if (first < 0) first = s;
       last = s;
     }
@@ -106,21 +106,36 @@ TEST(SceneRangeTest, RaysParallelToAFace) {
   range.box = Box{{-1, -1, 2}, {1, 1, 4}};
   const auto along = range.Along({0.5, 0.5, 0}, {0, 0, 1}, 1);
   ASSERT_TRUE(along);
-  EXPECT_DOUBLE_EQ(along->first, 2);
-  EXPECT_DOUBLE_EQ(along->second, 4);
+  EXPECT_DOUBLE_EQ(along->first, range.SoughtBox()->min.z());
+  EXPECT_DOUBLE_EQ(along->second, range.SoughtBox()->max.z());
   EXPECT_FALSE(range.Along({1.5, 0.5, 0}, {0, 0, 1}, 1));
   EXPECT_FALSE(range.Along({0, 0, 5}, {0, 0, 1}, 1)) << "the box lies behind";
   EXPECT_DOUBLE_EQ(range.Along({0, 0, 3}, {0, 0, 1}, 1)->first, 0.1) << "from inside: near";
 }
 
-TEST(RangeOfBoxTest, HoldsTheBoxFromAllCameras) {
+TEST(SceneRangeTest, SeeksSomewhatBeyondTheBox) {
+  SceneRange range = Range(0.1, 100);
+  EXPECT_FALSE(range.SoughtBox());
+  range.box = Box{{-1, -1, 2}, {1, 1, 4}};
+  const Box sought = *range.SoughtBox();
+  const double margin = range.box->min.x() - sought.min.x();
+  EXPECT_GT(margin, 0.02);
+  EXPECT_LT(margin, 0.2);
+  EXPECT_TRUE(sought.min.isApprox((range.box->min.array() - margin).matrix()));
+  EXPECT_TRUE(sought.max.isApprox((range.box->max.array() + margin).matrix()));
+}
+
+TEST(RangeOfBoxTest, HoldsTheSoughtBoxFromAllCameras) {
   const Box box{{-0.2, -0.1, -0.2}, {0.2, 0.1, 0.2}};
   const auto cameras = Orbit(1.5, {0, 0, 0});
   const SceneRange range = RangeOfBox(box, cameras);
   EXPECT_NO_THROW(range.Check());
   for (const PosedCamera& c : cameras) {
     for (int k = 0; k < 8; ++k) {
-      const Eigen::Vector3d p(k & 1 ? 0.2 : -0.2, k & 2 ? 0.1 : -0.1, k & 4 ? 0.2 : -0.2);
+      const Box sought = *range.SoughtBox();
+      const Eigen::Vector3d p((k & 1 ? sought.max : sought.min).x(),
+                              (k & 2 ? sought.max : sought.min).y(),
+                              (k & 4 ? sought.max : sought.min).z());
       const double z = (c.cam_from_world * p).z();
       EXPECT_GT(z, range.near);
       EXPECT_LT(z, range.far);

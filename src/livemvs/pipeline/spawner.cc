@@ -33,13 +33,14 @@ PixelRect RectOfRange(const Camera& camera,
                          kBorder,
                          std::max(kBorder, camera.width - kBorder),
                          std::max(kBorder, camera.height - kBorder)};
-  if (!range.box) return all;
+  const std::optional<Box> box = range.SoughtBox();
+  if (!box) return all;
   const Projector projector(camera);
   Eigen::AlignedBox2d bounds;
   for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d p(corner & 1 ? range.box->max.x() : range.box->min.x(),
-                            corner & 2 ? range.box->max.y() : range.box->min.y(),
-                            corner & 4 ? range.box->max.z() : range.box->min.z());
+    const Eigen::Vector3d p(corner & 1 ? box->max.x() : box->min.x(),
+                            corner & 2 ? box->max.y() : box->min.y(),
+                            corner & 4 ? box->max.z() : box->min.z());
     const auto pixel = projector.Project(cam_from_world * p);
     if (!pixel) return all;
     bounds.extend(*pixel);

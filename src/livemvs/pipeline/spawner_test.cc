@@ -99,7 +99,7 @@ TEST_F(SpawnerTest, IntervalsEndAtTheBox) {
   ASSERT_GT(Spawn(Spawner(options_, range), {}, &pool), 300);
   constexpr double kTolerance = 1e-5;
   const auto on_surface = [&](const Eigen::Vector3d& p) {
-    const auto& box = *range.box;
+    const Box box = *range.SoughtBox();
     const double inside =
         std::min((p - box.min).minCoeff(), (box.max - p).minCoeff());  // 0 on the surface
     return std::abs(inside) < kTolerance;
