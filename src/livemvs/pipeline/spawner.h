@@ -7,9 +7,9 @@
 #include "livemvs/core/frame.h"
 #include "livemvs/core/options.h"
 #include "livemvs/core/point.h"
+#include "livemvs/core/scene_range.h"
 #include "livemvs/pipeline/candidates.h"
 #include "livemvs/pipeline/coverage.h"
-#include "livemvs/pipeline/scene_range.h"
 #include "livemvs/pipeline/seed_pool.h"
 
 namespace livemvs {
