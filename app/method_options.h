@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "livemvs/core/options.h"
+#include "livemvs/core/scene_range.h"
 #include "livemvs/io/dataset.h"
-#include "livemvs/pipeline/scene_range.h"
 
 namespace livemvs::app {
 

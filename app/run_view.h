@@ -9,8 +9,8 @@
 #include <string>
 
 #include "live_view.h"
+#include "livemvs/core/scene_range.h"
 #include "livemvs/pipeline/reconstructor.h"
-#include "livemvs/pipeline/scene_range.h"
 
 namespace livemvs::app {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "livemvs/core/frame.h"
-#include "livemvs/pipeline/scene_range.h"
+#include "livemvs/core/scene_range.h"
 
 namespace livemvs {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "livemvs/core/scene_range.h"
 #include "livemvs/core/seed.h"
-#include "livemvs/pipeline/scene_range.h"
 #include "livemvs/reference/depth_histogram.h"
 #include "livemvs/synth/random.h"
 

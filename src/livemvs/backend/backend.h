@@ -10,6 +10,9 @@
 #include "livemvs/backend/seed_state.h"
 #include "livemvs/core/image.h"
 #include "livemvs/core/options.h"
+#include "livemvs/core/point.h"
+#include "livemvs/core/posed_camera.h"
+#include "livemvs/core/scene_range.h"
 
 namespace livemvs {
 
@@ -21,6 +24,15 @@ struct SeedGroup {
   int level;                 ///< Of the pyramid: the image that the seeds meet.
   RelativeView<float> view;  ///< Both cameras at that level.
   float pixel_width;         ///< 1 / f of the reference camera at that level.
+};
+
+/// Where step 1 plants seeds, and what is known there already.
+struct Planting {
+  PosedCamera frame;  ///< The current frame's, at level 0.
+  const SceneRange* range;
+  std::span<const SeedGroup> groups;  ///< The seeds that there are, as they lie to the frame.
+  /// Those of the last planting, and new ones after them; see Backend::ForgetPoints().
+  std::span<const Point> points;
 };
 
 /// What one update of all seeds did, by the status of the match and the fate that followed.
@@ -48,8 +60,8 @@ class DeviceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The seeds of Algorithm 1, where a device has them, and step 2, which runs there. Seeds lie in
-/// slots 0, 1, 2 ... in the order in which they were appended; which of them are a group, the
+/// The seeds of Algorithm 1, where a device has them, and steps 1 and 2, which run there. Seeds lie
+/// in slots 0, 1, 2 ... in the order in which they were planted; which of them are a group, the
 /// caller knows. Threads are those of the caller's oneTBB arena. Not thread-safe.
 class Backend {
  public:
@@ -63,16 +75,13 @@ class Backend {
 
   // All functions throw DeviceError where the device fails.
 
-  /// Puts newborn seeds behind those that are there; all start with the same posterior.
-  /// @throws std::length_error where there would be more than the capacity.
-  virtual void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) = 0;
+  /// The current frame, halved from level to level, which Update() and Plant() look at: it must be
+  /// there as long as they do.
+  virtual void SetFrame(std::span<const ImageView<std::uint8_t>> pyramid) = 0;
 
-  /// Meets all seeds of the groups with the current frame: project, match, fuse, judge. Writes
-  /// their posterior, counts and fate. All groups' cameras have the model `model`.
-  /// @param pyramid  The current frame, halved from level to level.
-  virtual UpdateStatistics Update(const std::vector<SeedGroup>& groups,
-                                  CameraModel model,
-                                  std::span<const ImageView<std::uint8_t>> pyramid) = 0;
+  /// Step 2: meets all seeds of the groups with the current frame: project, match, fuse, judge.
+  /// Writes their posterior, counts and fate. All groups' cameras have the model `model`.
+  virtual UpdateStatistics Update(std::span<const SeedGroup> groups, CameraModel model) = 0;
 
   /// Gives the seeds whose fate was decided and was not given before, in the order of their slots,
   /// and counts them as removed. Valid until the next call of any function.
@@ -81,11 +90,17 @@ class Backend {
   /// Closes the gaps that removed seeds left; the order is kept.
   virtual void Compact() = 0;
 
-  /// Sets the pixels to 1 that the living seeds of the groups project to, in the picture of their
-  /// level. The pictures are all 0 before.
-  virtual void MarkPlaces(const std::vector<SeedGroup>& groups,
-                          CameraModel model,
-                          std::span<Image<std::uint8_t>> marks) = 0;
+  /// Step 1: plants new seeds in the current frame where a point is still missing, behind those
+  /// that are there, one level after the other from the coarsest on. Returns how many on each
+  /// level.
+  ///
+  /// A pixel gets a seed if its patch has texture, its ray crosses the scene's range, and neither a
+  /// live seed of the groups nor a point that was seen from a similar direction projects near it.
+  /// Where there are more such pixels than free slots, they are thinned evenly over the picture.
+  virtual std::vector<std::size_t> Plant(const Planting& planting) = 0;
+
+  /// The points of the next planting are others than those before.
+  virtual void ForgetPoints() = 0;
 
   /// The seeds in the slots begin, begin + step ... below end: for looking at them.
   virtual std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) = 0;

@@ -7,35 +7,24 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
-#include <ostream>
 #include <set>
-#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "livemvs/backend/backend.h"
-#include "livemvs/backend/cpu/kernels.h"
-#include "livemvs/backend/cuda/cuda_backend.h"
+#include "livemvs/backend/backend_test_util.h"
 #include "plane_scene.h"
 
 namespace livemvs {
 namespace {
 
+using testing_support::BackendKinds;
+using testing_support::kCuda;
+using testing_support::MakeBackendOf;
 using testing_support::PlaneScene;
 using testing_support::SidewaysPath;
 using testing_support::TestOptions;
-
-constexpr double kNear = 0.7, kFar = 1.6;
-constexpr Posterior<float> kPrior = {0.5F, 0.04F, 5, 5};
-constexpr const char* kCuda = "CUDA";
-
-std::unique_ptr<Backend> Make(const std::string& kind, const Options& options) {
-  if (kind == kCuda) return MakeCudaBackend(options);
-  ::setenv(kInstructionsVariable, kind.c_str(), 1);
-  std::unique_ptr<Backend> backend = MakeCpuBackend(options);
-  ::unsetenv(kInstructionsVariable);
-  return backend;
-}
 
 bool SameNumbers(const SeedState& a, const SeedState& b) {
   return a.posterior.mu == b.posterior.mu && a.posterior.sigma2 == b.posterior.sigma2 &&
@@ -47,22 +36,14 @@ bool SameCounts(const SeedState& a, const SeedState& b) {
          a.counts.unseen == b.counts.unseen && a.fate == b.fate;
 }
 
-// Seeds on every step-th pixel of a frame, at one level of its pyramid.
-std::vector<NewSeed> Newborns(const PosedFrame& frame, int step) {
-  std::vector<NewSeed> seeds;
-  const Projector projector(frame.camera);
-  const Image<std::uint8_t>& grey = frame.picture->grey;
-  for (int y = 3; y < frame.camera.height - 3; y += step) {
-    for (int x = 3; x < frame.camera.width - 3; x += step) {
-      const Eigen::Vector3d ray = *projector.Unproject({x, y});
-      seeds.push_back({{static_cast<float>(1 / kNear), static_cast<float>(1 / kFar)},
-                       static_cast<float>(ray.x()),
-                       static_cast<float>(ray.y()),
-                       &grey(x, y),
-                       grey.stride()});
-    }
-  }
-  return seeds;
+// Plants a seed in a frame wherever the options let it, and returns how many.
+std::size_t PlantAll(const PosedFrame& frame, Backend* backend) {
+  SceneRange range;
+  range.near = 0.7;
+  range.far = 1.6;
+  const ImageView<std::uint8_t> pyramid[] = {frame.picture->grey.view()};
+  backend->SetFrame(pyramid);
+  return backend->Plant({{frame.camera, frame.cam_from_world}, &range, {}, {}})[0];
 }
 
 SeedGroup GroupOf(const PosedFrame& ref,
@@ -79,15 +60,18 @@ SeedGroup GroupOf(const PosedFrame& ref,
 class BackendTest : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    if (GetParam() != kCuda) return;
-    const CudaDevices found = FindCudaDevices();
-    if (found.devices.empty()) GTEST_SKIP() << found.trouble;
+    const std::string trouble = testing_support::TroubleWith(GetParam());
+    if (!trouble.empty()) GTEST_SKIP() << trouble;
   }
 
-  static Options OptionsFor(std::size_t seeds) {
-    Options options = TestOptions();
-    options.max_seeds = static_cast<int>(seeds);
-    return options;
+  // A seed on every step-th pixel that can be matched at all, whatever is known there.
+  static Options PlantingEvery(int step, const Options& options = TestOptions()) {
+    Options planting = options;
+    planting.max_seeds = 40'000;
+    planting.seed_spacing_px = step;
+    planting.min_patch_stddev = 0;
+    planting.cover_radius_px = -1;
+    return planting;
   }
 
   static UpdateStatistics Update(const PosedFrame& ref,
@@ -95,11 +79,11 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
                                  std::size_t seeds,
                                  Backend* backend) {
     const ImageView<std::uint8_t> pyramid[] = {cur.picture->grey.view()};
+    backend->SetFrame(pyramid);
     // Two groups, of which the first does not end with a whole block.
     const std::size_t middle = seeds / 3;
-    return backend->Update({GroupOf(ref, cur, 0, middle), GroupOf(ref, cur, middle, seeds)},
-                           cur.camera.model,
-                           pyramid);
+    const SeedGroup groups[] = {GroupOf(ref, cur, 0, middle), GroupOf(ref, cur, middle, seeds)};
+    return backend->Update(groups, cur.camera.model);
   }
 
   // Runs both backends over the frames, from the same seeds; the GPU's library rounds the arc
@@ -107,25 +91,23 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
   static void ExpectSame(const std::vector<PosedFrame>& frames,
                          const Options& options,
                          double tolerance) {
-    const std::vector<NewSeed> born = Newborns(frames[0], 2);
-    Options enough = options;
-    enough.max_seeds = static_cast<int>(born.size());
-    const std::unique_ptr<Backend> expected = Make("single lane", enough);
-    const std::unique_ptr<Backend> backend = Make(GetParam(), enough);
-    expected->Append(born, kPrior);
-    backend->Append(born, kPrior);
+    const std::unique_ptr<Backend> expected =
+        MakeBackendOf("single lane", PlantingEvery(2, options));
+    const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), PlantingEvery(2, options));
+    const std::size_t born = PlantAll(frames[0], expected.get());
+    ASSERT_EQ(PlantAll(frames[0], backend.get()), born);
     std::int64_t matched = 0;
     for (std::size_t f = 1; f < frames.size(); ++f) {
-      const UpdateStatistics a = Update(frames[0], frames[f], born.size(), expected.get());
-      const UpdateStatistics b = Update(frames[0], frames[f], born.size(), backend.get());
-      const auto share = tolerance > 0 ? static_cast<double>(born.size()) / 500 : 0;
+      const UpdateStatistics a = Update(frames[0], frames[f], born, expected.get());
+      const UpdateStatistics b = Update(frames[0], frames[f], born, backend.get());
+      const auto share = tolerance > 0 ? static_cast<double>(born) / 500 : 0;
       EXPECT_NEAR(static_cast<double>(a.matched), static_cast<double>(b.matched), share);
       EXPECT_EQ(a.total(), b.total());
       matched += a.matched;
     }
-    EXPECT_GT(matched, static_cast<std::int64_t>(born.size())) << "too little to compare";
-    const std::vector<SeedState> want = expected->Read(0, born.size(), 1);
-    const std::vector<SeedState> have = backend->Read(0, born.size(), 1);
+    EXPECT_GT(matched, static_cast<std::int64_t>(born)) << "too little to compare";
+    const std::vector<SeedState> want = expected->Read(0, born, 1);
+    const std::vector<SeedState> have = backend->Read(0, born, 1);
     ASSERT_EQ(want.size(), have.size());
     std::size_t other_counts = 0, other_numbers = 0;
     for (std::size_t i = 0; i < want.size(); ++i) {
@@ -134,7 +116,7 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
                            ? std::abs(want[i].posterior.mu - have[i].posterior.mu) > tolerance
                            : !SameNumbers(want[i], have[i]);
     }
-    const std::size_t allowed = tolerance > 0 ? born.size() / 500 : 0;
+    const std::size_t allowed = tolerance > 0 ? born / 500 : 0;
     EXPECT_LE(other_counts, allowed);
     EXPECT_LE(other_numbers, allowed);
   }
@@ -173,35 +155,34 @@ TEST_P(BackendTest, SeesThroughLensesAsTheOthersDo) {
 
 TEST_P(BackendTest, CountsEveryLivingSeedOnce) {
   const auto frames = PlaneScene().Render(SidewaysPath(3));
-  const std::vector<NewSeed> born = Newborns(frames[0], 1);
-  Options options = OptionsFor(born.size());
+  Options options = PlantingEvery(1);
   options.max_age = 1;  // all end that tell something
   options.min_views = 200;
-  const std::unique_ptr<Backend> backend = Make(GetParam(), options);
-  backend->Append(born, kPrior);
-  EXPECT_EQ(Update(frames[0], frames[1], born.size(), backend.get()).total(),
-            static_cast<std::int64_t>(born.size()));
+  const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), options);
+  const std::size_t born = PlantAll(frames[0], backend.get());
+  EXPECT_EQ(Update(frames[0], frames[1], born, backend.get()).total(),
+            static_cast<std::int64_t>(born));
   const auto ended = static_cast<std::int64_t>(backend->TakeEnded().size());
-  EXPECT_GT(ended, static_cast<std::int64_t>(born.size()) / 2);
-  EXPECT_EQ(Update(frames[0], frames[2], born.size(), backend.get()).total(),
-            static_cast<std::int64_t>(born.size()) - ended);
+  EXPECT_GT(ended, static_cast<std::int64_t>(born) / 2);
+  EXPECT_EQ(Update(frames[0], frames[2], born, backend.get()).total(),
+            static_cast<std::int64_t>(born) - ended);
 }
 
 TEST_P(BackendTest, GivesEachEndedSeedOnceAndClosesGapsInOrder) {
   const auto frames = PlaneScene().Render(SidewaysPath(2));
-  const std::vector<NewSeed> born = Newborns(frames[0], 1);
-  Options options = OptionsFor(born.size());
+  Options options = PlantingEvery(1);
+  options.max_seeds = 20'000;  // fewer than would fit the picture
   options.max_age = 1;
   options.min_views = 200;
-  const std::unique_ptr<Backend> backend = Make(GetParam(), options);
-  backend->Append(born, kPrior);
-  Update(frames[0], frames[1], born.size(), backend.get());
-  const std::vector<SeedState> before = backend->Read(0, born.size(), 1);
-  const std::vector<std::uint8_t> patches = backend->ReadPatches(0, born.size());
+  const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), options);
+  const std::size_t born = PlantAll(frames[0], backend.get());
+  Update(frames[0], frames[1], born, backend.get());
+  const std::vector<SeedState> before = backend->Read(0, born, 1);
+  const std::vector<std::uint8_t> patches = backend->ReadPatches(0, born);
   const auto span = backend->TakeEnded();
   const std::vector<EndedSeed> ended(span.begin(), span.end());
   ASSERT_FALSE(ended.empty());
-  ASSERT_LT(ended.size(), born.size());
+  ASSERT_LT(ended.size(), born);
   EXPECT_TRUE(std::ranges::is_sorted(ended, {}, &EndedSeed::slot));
   std::set<std::size_t> gone;
   for (const EndedSeed& e : ended) {
@@ -213,7 +194,8 @@ TEST_P(BackendTest, GivesEachEndedSeedOnceAndClosesGapsInOrder) {
     EXPECT_EQ(before[i].fate != Fate::kAlive, gone.contains(i)) << i;
   }
   EXPECT_TRUE(backend->TakeEnded().empty());
-  EXPECT_THROW(backend->Append({born.data(), 1}, kPrior), std::length_error);
+  ASSERT_EQ(born, backend->capacity());
+  EXPECT_EQ(PlantAll(frames[1], backend.get()), 0U) << "the gaps are not closed yet";
 
   backend->Compact();
   std::vector<SeedState> kept;
@@ -230,69 +212,40 @@ TEST_P(BackendTest, GivesEachEndedSeedOnceAndClosesGapsInOrder) {
   EXPECT_EQ(backend->ReadPatches(0, kept.size()), kept_patches);
 
   // The slots that came free take others.
-  backend->Append({born.data(), ended.size()}, kPrior);
-  const std::vector<SeedState> anew = backend->Read(kept.size(), born.size(), 1);
+  ASSERT_EQ(PlantAll(frames[1], backend.get()), ended.size());
+  const std::vector<SeedState> anew = backend->Read(kept.size(), born, 1);
   ASSERT_EQ(anew.size(), ended.size());
-  EXPECT_EQ(anew.front().bearing_x, born.front().bearing_x);
-  EXPECT_EQ(anew.front().counts.age, 0);
-  EXPECT_EQ(anew.front().fate, Fate::kAlive);
-}
-
-TEST_P(BackendTest, MarksPlacesAsTheOthersDo) {
-  const auto frames = PlaneScene().Render(SidewaysPath(3));
-  const std::vector<NewSeed> born = Newborns(frames[0], 5);
-  const std::vector<SeedGroup> groups = {GroupOf(frames[0], frames[2], 0, born.size())};
-  std::vector<Image<std::uint8_t>> marks;
-  for (const std::string& kind : {std::string("single lane"), GetParam()}) {
-    const std::unique_ptr<Backend> backend = Make(kind, OptionsFor(born.size()));
-    backend->Append(born, kPrior);
-    std::vector<Image<std::uint8_t>> picture;
-    picture.emplace_back(frames[2].camera.width, frames[2].camera.height);
-    backend->MarkPlaces(groups, frames[2].camera.model, picture);
-    marks.push_back(std::move(picture[0]));
+  for (const SeedState& seed : anew) {
+    ASSERT_EQ(seed.counts.age, 0);
+    ASSERT_EQ(seed.fate, Fate::kAlive);
   }
-  int marked = 0;
-  for (int y = 0; y < marks[0].height(); ++y) {
-    for (int x = 0; x < marks[0].width(); ++x) {
-      marked += marks[0](x, y);
-      ASSERT_EQ(marks[0](x, y), marks[1](x, y)) << x << ", " << y;
-    }
-  }
-  EXPECT_GT(marked, 500);
+  EXPECT_TRUE(std::ranges::equal(backend->Read(0, kept.size(), 1), kept, SameNumbers));
 }
 
 TEST_P(BackendTest, ResultsDoNotDependOnTheThreads) {
   const auto frames = PlaneScene().Render(SidewaysPath(2));
-  const std::vector<NewSeed> born = Newborns(frames[0], 1);
   std::vector<SeedState> first;
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 5);
   for (const int threads : {1, 2, 5}) {
-    const std::unique_ptr<Backend> backend = Make(GetParam(), OptionsFor(born.size()));
+    const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), PlantingEvery(1));
+    std::size_t born = 0;
     tbb::task_arena(threads).execute([&] {
-      backend->Append(born, kPrior);
-      Update(frames[0], frames[1], born.size(), backend.get());
+      born = PlantAll(frames[0], backend.get());
+      Update(frames[0], frames[1], born, backend.get());
     });
-    const std::vector<SeedState> states = backend->Read(0, born.size(), 1);
+    const std::vector<SeedState> states = backend->Read(0, born, 1);
+    ASSERT_GT(states.size(), 20'000U);
     if (threads == 1) first = states;
     EXPECT_TRUE(std::ranges::equal(states, first, SameNumbers)) << threads;
     EXPECT_TRUE(std::ranges::equal(states, first, SameCounts)) << threads;
   }
 }
 
-std::vector<std::string> Kinds() {
-  std::vector<std::string> kinds;
-  for (const NamedKernel& kernel : UsableKernels()) kinds.emplace_back(kernel.name);
-  kinds.emplace_back(kCuda);
-  return kinds;
-}
-
 INSTANTIATE_TEST_SUITE_P(All,
                          BackendTest,
-                         ::testing::ValuesIn(Kinds()),
+                         ::testing::ValuesIn(BackendKinds()),
                          [](const ::testing::TestParamInfo<std::string>& tested) {
-                           std::string name = tested.param;
-                           std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });
-                           return name;
+                           return testing_support::TestNameOf(tested.param);
                          });
 
 TEST(MakeBackendTest, AutoIsTheCpuWhereThereIsNoGpu) {

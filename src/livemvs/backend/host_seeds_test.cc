@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <stdexcept>
 
 namespace livemvs {
 namespace {
@@ -14,19 +13,17 @@ constexpr std::size_t kCapacity = 20;
 class HostSeedsTest : public ::testing::Test {
  protected:
   void Append(int first, int end) {
-    std::vector<std::array<std::uint8_t, 8 * kPatchSize>> images(end - first);
-    std::vector<NewSeed> born;
     for (int n = first; n < end; ++n) {
-      auto& image = images[n - first];
+      std::array<std::uint8_t, 8 * kPatchSize> image{};
       for (int r = 0; r < kPatchSize; ++r) {
         for (int c = 0; c < kPatchSize; ++c) {
           image[r * 8 + c] = static_cast<std::uint8_t>(n + r * kPatchSize + c);
         }
       }
       const auto f = static_cast<float>(n);
-      born.push_back({{f + 1, f + 2}, f + 3, f + 4, &image[kPatchRadius * 8 + kPatchRadius], 8});
+      seeds_.Append({{f + 1, f + 2}, f + 3, f + 4, &image[kPatchRadius * 8 + kPatchRadius], 8},
+                    {0.5F, 0.25F, 5, 6});
     }
-    seeds_.Append(born, {0.5F, 0.25F, 5, 6});
   }
 
   void ExpectSeeds(const std::vector<int>& numbers) const {
@@ -94,15 +91,19 @@ TEST_F(HostSeedsTest, KeepsTheOrderWhenGapsClose) {
   ExpectSeeds({1, 3, 6, 7, 8, 40, 41});
 }
 
-TEST_F(HostSeedsTest, RefusesMoreSeedsThanItHasRoomFor) {
+TEST_F(HostSeedsTest, HasRoomBehindTheLastSeed) {
+  EXPECT_EQ(seeds_.room(), kCapacity);
   Append(0, 19);
-  EXPECT_THROW(Append(19, 21), std::length_error);
+  EXPECT_EQ(seeds_.room(), 1U);
   Append(19, 20);
+  EXPECT_EQ(seeds_.room(), 0U);
   End({3});
   seeds_.TakeEnded();
-  EXPECT_THROW(Append(20, 21), std::length_error) << "the gap is not closed yet";
+  EXPECT_EQ(seeds_.room(), 0U) << "the gap is not closed yet";
   seeds_.Compact();
+  EXPECT_EQ(seeds_.room(), 1U);
   Append(20, 21);
+  EXPECT_EQ(seeds_.room(), 0U);
 }
 
 }  // namespace

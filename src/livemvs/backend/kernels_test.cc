@@ -520,8 +520,7 @@ TEST(KernelsTest, MarksThePixelsThatLivingSeedsProjectTo) {
                          columns.View(),
                          &group,
                          frames[2].camera.model,
-                         marks.Row(0),
-                         marks.stride()};
+                         {marks.Row(0), marks.width(), marks.height(), marks.stride()}};
     // Twice at once, as threads do whose seeds project to the same pixel.
     std::thread other([&] { kernel.mark(job, 0, seeds.size()); });
     kernel.mark(job, 0, seeds.size());

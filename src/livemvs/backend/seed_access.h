@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 
 #include "livemvs/backend/seed_columns.h"
 #include "livemvs/backend/seed_state.h"
@@ -20,14 +21,24 @@ LIVEMVS_HD inline SeedState StateOf(const SeedColumns& s, std::size_t i) {
           s.fate[i]};
 }
 
-/// Lets seed i begin with that posterior; its ray and patch are there.
+/// Lets a newborn seed begin in slot i with that posterior.
 LIVEMVS_HD inline void StartSeed(const SeedColumns& s,
                                  std::size_t i,
+                                 const NewSeed& seed,
                                  const Posterior<float>& prior) {
   s.mu[i] = prior.mu;
   s.sigma2[i] = prior.sigma2;
   s.a[i] = prior.a;
   s.b[i] = prior.b;
+  s.c0[i] = seed.interval.c0;
+  s.c1[i] = seed.interval.c1;
+  s.bearing_x[i] = seed.bearing_x;
+  s.bearing_y[i] = seed.bearing_y;
+  for (int r = 0; r < kPatchSize; ++r) {
+    std::memcpy(s.patch + i * kPatchPixels + r * kPatchSize,
+                seed.patch + (r - kPatchRadius) * seed.stride - kPatchRadius,
+                kPatchSize);
+  }
   s.counts[i] = {0, 0, 0};
   s.fate[i] = Fate::kAlive;
 }

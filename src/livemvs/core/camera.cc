@@ -80,40 +80,17 @@ std::optional<Eigen::Vector2d> Projector::Project(const Eigen::Vector3d& point_i
   if (!(point_in_cam.z() > 0)) return std::nullopt;
   const double x = point_in_cam.x() / point_in_cam.z();
   const double y = point_in_cam.y() / point_in_cam.z();
-  if (!(x * x + y * y <= r2_max_)) return std::nullopt;
+  if (!(x * x + y * y <= params_.r2_max)) return std::nullopt;
   const DistortedPoint<double> p = Distort(camera_, x, y);
   return Eigen::Vector2d(camera_.fx * p.x + camera_.cx, camera_.fy * p.y + camera_.cy);
 }
 
 std::optional<Eigen::Vector3d> Projector::Unproject(const Eigen::Vector2d& pixel) const {
-  const double xd = (pixel.x() - camera_.cx) / camera_.fx;
-  const double yd = (pixel.y() - camera_.cy) / camera_.fy;
-  if (!std::isfinite(xd) || !std::isfinite(yd)) return std::nullopt;
-  double x = xd, y = yd;
-  if (camera_.model == CameraModel::kKannalaBrandt) {
-    // Start from the undistorted fisheye, whose radius is the angle itself.
-    const double theta = std::min(std::hypot(xd, yd), 1.39);
-    const double scale = theta > 1e-9 ? std::tan(theta) / std::hypot(xd, yd) : 1;
-    x *= scale;
-    y *= scale;
-  }
-  constexpr int kIterations = 50;
-  constexpr double kTolerance = 1e-10;
-  for (int i = 0; i < kIterations; ++i) {
-    if (x * x + y * y > r2_max_) {  // back to the valid disc: the solution lies in it or nowhere
-      const double shrink = std::sqrt(r2_max_ / (x * x + y * y));
-      x *= shrink;
-      y *= shrink;
-    }
-    const DistortedPoint<double> p = Distort(camera_, x, y);
-    const double ex = xd - p.x, ey = yd - p.y;
-    if (std::abs(ex) < kTolerance && std::abs(ey) < kTolerance) return Eigen::Vector3d(x, y, 1);
-    const double det = p.xx * p.yy - p.xy * p.yx;
-    if (!(std::abs(det) > 1e-12)) return std::nullopt;
-    x += (p.yy * ex - p.xy * ey) / det;
-    y += (p.xx * ey - p.yx * ex) / det;
-  }
-  return std::nullopt;
+  return VisitModel(camera_.model, [&](auto model) -> std::optional<Eigen::Vector3d> {
+    double x = 0, y = 0;
+    if (!UnprojectPixel<decltype(model)>(params_, pixel.x(), pixel.y(), &x, &y)) return {};
+    return Eigen::Vector3d(x, y, 1);
+  });
 }
 
 std::string ToString(CameraModel model) {

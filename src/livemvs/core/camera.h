@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -147,27 +148,6 @@ decltype(auto) VisitModel(CameraModel model, F&& f) {
 /// most that of a ray 80° off the axis.
 double MaxValidRadius2(const Camera& camera);
 
-/// Maps points to pixels and pixels to rays, in double. Make one per camera and keep it: the
-/// constructor finds the valid range of the distortion.
-class Projector {
- public:
-  explicit Projector(const Camera& camera) : camera_(camera), r2_max_(MaxValidRadius2(camera)) {}
-
-  const Camera& camera() const { return camera_; }
-
-  /// The pixel of a point in camera axes, or nothing where the point is behind the camera or beyond
-  /// the angle up to which the distortion is one-to-one. The pixel may lie outside of the image.
-  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_cam) const;
-
-  /// The ray (X / Z, Y / Z, 1) through a pixel, or nothing where no ray of the model's valid range
-  /// maps there. Accurate to 1e-9 of the focal length.
-  std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
-
- private:
-  Camera camera_;
-  double r2_max_;
-};
-
 template <typename T>
 CameraParams<T> MakeCameraParams(const Camera& camera) {
   CameraParams<T> p;
@@ -179,6 +159,65 @@ CameraParams<T> MakeCameraParams(const Camera& camera) {
   p.r2_max = static_cast<T>(MaxValidRadius2(camera));
   return p;
 }
+
+/// The ray (x, y, 1) through the pixel (u, v); false where no ray of the model's valid range maps
+/// there. Newton's method on the distortion: accurate to 1e-9 of the focal length.
+template <typename Model>
+LIVEMVS_DEVICE bool UnprojectPixel(
+    const CameraParams<double>& camera, double u, double v, double* x, double* y) {
+  const double xd = (u - camera.cx) / camera.fx;
+  const double yd = (v - camera.cy) / camera.fy;
+  if (!std::isfinite(xd) || !std::isfinite(yd)) return false;
+  *x = xd;
+  *y = yd;
+  if constexpr (Model::kModel == CameraModel::kKannalaBrandt) {
+    // Start from the undistorted fisheye, whose radius is the angle itself.
+    const double radius = std::hypot(xd, yd);
+    const double theta = std::min(radius, 1.39);
+    const double scale = theta > 1e-9 ? std::tan(theta) / radius : 1;
+    *x *= scale;
+    *y *= scale;
+  }
+  constexpr int kIterations = 50;
+  constexpr double kTolerance = 1e-10;
+  for (int i = 0; i < kIterations; ++i) {
+    const double r2 = *x * *x + *y * *y;
+    if (r2 > camera.r2_max) {  // back to the valid disc: the solution lies in it or nowhere
+      const double shrink = std::sqrt(camera.r2_max / r2);
+      *x *= shrink;
+      *y *= shrink;
+    }
+    const DistortedPoint<double> p = Model::Distort(camera.k, *x, *y);
+    const double ex = xd - p.x, ey = yd - p.y;
+    if (std::abs(ex) < kTolerance && std::abs(ey) < kTolerance) return true;
+    const double det = p.xx * p.yy - p.xy * p.yx;
+    if (!(std::abs(det) > 1e-12)) return false;
+    *x += (p.yy * ex - p.xy * ey) / det;
+    *y += (p.xx * ey - p.yx * ex) / det;
+  }
+  return false;
+}
+
+/// Maps points to pixels and pixels to rays, in double. Make one per camera and keep it: the
+/// constructor finds the valid range of the distortion.
+class Projector {
+ public:
+  explicit Projector(const Camera& camera)
+      : camera_(camera), params_(MakeCameraParams<double>(camera)) {}
+
+  const Camera& camera() const { return camera_; }
+
+  /// The pixel of a point in camera axes, or nothing where the point is behind the camera or beyond
+  /// the angle up to which the distortion is one-to-one. The pixel may lie outside of the image.
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_cam) const;
+
+  /// The ray (X / Z, Y / Z, 1) through a pixel, or nothing; see UnprojectPixel().
+  std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
+
+ private:
+  Camera camera_;
+  CameraParams<double> params_;
+};
 
 /// For messages: "pinhole", "Brown-Conrady", "Kannala-Brandt".
 std::string ToString(CameraModel model);

@@ -8,6 +8,8 @@
 #include <new>
 #include <utility>
 
+#include "livemvs/core/platform.h"
+
 namespace livemvs {
 
 /// A read-only view of a row-major image, (height, width), rows `stride` elements apart.
@@ -19,8 +21,8 @@ struct ImageView {
   int height = 0;
   std::ptrdiff_t stride = 0;
 
-  const T* Row(int y) const { return data + y * stride; }
-  const T& operator()(int x, int y) const { return data[y * stride + x]; }
+  LIVEMVS_HD const T* Row(int y) const { return data + y * stride; }
+  LIVEMVS_HD const T& operator()(int x, int y) const { return data[y * stride + x]; }
 };
 
 /// An owned, move-only image. Rows start on 64-byte boundaries, and at least 64 bytes may be read

@@ -32,7 +32,7 @@ constexpr float kMergeCells = 1.2F;
 // A point is the back of another where their directions differ by more than about 100°.
 constexpr float kOpposed = -0.2F;
 
-// A point whose footprint was this many times as wide as asked for does not cover, as in Spawner.
+// A point whose footprint was this many times as wide as asked for does not cover, as in MarkPoint.
 constexpr float kCoarser = 1.5F;
 
 std::uint64_t KeyOf(const PointMap::Cell& cell) {

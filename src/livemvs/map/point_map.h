@@ -17,7 +17,7 @@ struct PointMapOptions {
   /// Width of the cells of level 0 [scene]; 0: half the median footprint of the first points.
   float spacing = 0;
   /// Width of a point's cell in footprints: how finely the map keeps a surface. The default is how
-  /// far apart the Spawner plants seeds. [px]
+  /// far apart seeds are planted. [px]
   float cell_px = 2;
   /// Memory it may use [bytes]. When it is full, the finest points become one level coarser.
   std::size_t max_bytes = std::size_t{2} << 30;

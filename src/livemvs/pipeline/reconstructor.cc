@@ -57,8 +57,9 @@ Reconstructor::Reconstructor(const Options& options,
     : options_(options),
       workers_(std::make_unique<Workers>(options.threads)),
       pool_(std::move(backend)),
-      spawner_(options, range) {
+      range_(range) {
   options.Check();
+  range.Check();
 }
 
 std::span<const Point> Reconstructor::AddFrame(const PosedFrame& frame) {
@@ -97,11 +98,15 @@ void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
   ++statistics_.frames;
 }
 
+std::vector<SeedGroup> Reconstructor::GroupsIn(const PosedFrame& frame) const {
+  return MakeGroups(
+      pool_.references(), frame.camera, frame.cam_from_world, pyramid_.levels().size());
+}
+
 void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.update_seconds);
-  const std::vector<SeedGroup> groups =
-      MakeGroups(pool_.references(), frame.camera, frame.cam_from_world, pyramid_.levels().size());
-  statistics_.updates += pool_.backend().Update(groups, frame.camera.model, pyramid_.levels());
+  pool_.backend().SetFrame(pyramid_.levels());
+  statistics_.updates += pool_.backend().Update(GroupsIn(frame), frame.camera.model);
 }
 
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
@@ -201,7 +206,11 @@ void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
   }
   if (static_cast<double>(pool_.free_slots()) < kFreeShare * options_.max_seeds) return;
   frames_to_wait_ = PlantEvery(options_) - 1;
-  statistics_.seeds_spawned += spawner_.Spawn(frame, pyramid_.levels(), points_, &pool_);
+  pool_.Compact();
+  std::vector<SeedGroup> groups;
+  if (options_.cover_radius_px >= 0) groups = GroupsIn(frame);
+  statistics_.seeds_spawned +=
+      pool_.Plant(frame.index, {{frame.camera, frame.cam_from_world}, &range_, groups, points_});
 }
 
 }  // namespace livemvs

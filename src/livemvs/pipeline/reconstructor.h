@@ -11,11 +11,10 @@
 #include "livemvs/core/frame.h"
 #include "livemvs/core/options.h"
 #include "livemvs/core/point.h"
+#include "livemvs/core/scene_range.h"
 #include "livemvs/pipeline/pyramid.h"
-#include "livemvs/pipeline/scene_range.h"
 #include "livemvs/pipeline/seed_observer.h"
 #include "livemvs/pipeline/seed_pool.h"
-#include "livemvs/pipeline/spawner.h"
 
 namespace livemvs {
 
@@ -63,12 +62,12 @@ class Reconstructor {
   const PointCloud& points() const { return points_; }
   /// Hands all points over; the reconstruction may go on, but no longer knows what they cover.
   PointCloud TakePoints() {
-    spawner_.Forget();
+    pool_.backend().ForgetPoints();
     return std::exchange(points_, {});
   }
   /// Takes the points of an earlier run over: what they cover needs no seeds. Before any frame.
   void Restore(PointCloud points) {
-    spawner_.Forget();
+    pool_.backend().ForgetPoints();
     points_ = std::move(points);
   }
   std::size_t live_seeds() const { return pool_.size(); }
@@ -82,6 +81,7 @@ class Reconstructor {
 
   void RunAlgorithm(const PosedFrame& frame);
   void GoOnWithCpu(const DeviceError& error);
+  std::vector<SeedGroup> GroupsIn(const PosedFrame& frame) const;
   void SpawnSeeds(const PosedFrame& frame);
   void UpdateSeeds(const PosedFrame& frame);
   void CollectSeeds(const PosedFrame& frame);
@@ -94,8 +94,8 @@ class Reconstructor {
   Options options_;
   std::unique_ptr<Workers> workers_;
   SeedPool pool_;
+  SceneRange range_;
   Pyramid pyramid_;
-  Spawner spawner_;
   PointCloud points_;
   ReconstructionStatistics statistics_;
   SeedObserver* observer_ = nullptr;

@@ -307,30 +307,32 @@ TEST(ReconstructorTest, WrongSizesAndOptionsAreRefused) {
   EXPECT_THROW(Reconstructor(TestOptions(), SceneRange{}), std::invalid_argument);
 }
 
-// The CPU, but that it fails in one of the frames, as a GPU that is lost.
+enum class Step { kSetFrame, kUpdate, kPlant };
+
+// The CPU, but that one of the steps fails in a frame from some number on, as a GPU that is lost.
 class FailingBackend final : public Backend {
  public:
-  FailingBackend(const Options& options, int frames_before)
-      : cpu_(MakeCpuBackend(options)), frames_before_(frames_before) {}
+  FailingBackend(const Options& options, Step step, int frames_before)
+      : cpu_(MakeCpuBackend(options)), step_(step), frames_left_(frames_before + 1) {}
 
   std::string name() const override { return "failing"; }
   std::size_t capacity() const override { return cpu_->capacity(); }
-  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) override {
-    cpu_->Append(seeds, prior);
+  void SetFrame(std::span<const ImageView<std::uint8_t>> pyramid) override {
+    --frames_left_;
+    FailIn(Step::kSetFrame);
+    cpu_->SetFrame(pyramid);
   }
-  UpdateStatistics Update(const std::vector<SeedGroup>& groups,
-                          CameraModel model,
-                          std::span<const ImageView<std::uint8_t>> pyramid) override {
-    if (frames_before_-- == 0) throw DeviceError("GPU: update seeds: it is gone");
-    return cpu_->Update(groups, model, pyramid);
+  UpdateStatistics Update(std::span<const SeedGroup> groups, CameraModel model) override {
+    FailIn(Step::kUpdate);
+    return cpu_->Update(groups, model);
   }
   std::span<const EndedSeed> TakeEnded() override { return cpu_->TakeEnded(); }
   void Compact() override { cpu_->Compact(); }
-  void MarkPlaces(const std::vector<SeedGroup>& groups,
-                  CameraModel model,
-                  std::span<Image<std::uint8_t>> marks) override {
-    cpu_->MarkPlaces(groups, model, marks);
+  std::vector<std::size_t> Plant(const Planting& planting) override {
+    FailIn(Step::kPlant);
+    return cpu_->Plant(planting);
   }
+  void ForgetPoints() override { cpu_->ForgetPoints(); }
   std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) override {
     return cpu_->Read(begin, end, step);
   }
@@ -339,37 +341,51 @@ class FailingBackend final : public Backend {
   }
 
  private:
+  void FailIn(Step step) const {
+    if (step == step_ && frames_left_ <= 0) throw DeviceError("GPU: it is gone");
+  }
+
   std::unique_ptr<Backend> cpu_;
-  int frames_before_;
+  Step step_;
+  int frames_left_;
 };
 
 TEST(ReconstructorTest, WhereTheDeviceIsLostTheCpuGoesOn) {
-  constexpr int kLostAt = 22, kAll = 60;
+  constexpr int kLostAt = 21, kAll = 60;
   const std::vector<PosedFrame> frames = PlaneScene().Render(SidewaysPath(kAll));
   Options options = TestOptions();
   options.backend = BackendChoice::kAuto;
-  Reconstructor reconstructor(
-      options, NearFar(), std::make_unique<FailingBackend>(options, kLostAt));
-  std::size_t before = 0;
-  for (int f = 0; f < kAll; ++f) {
-    reconstructor.AddFrame(frames[static_cast<std::size_t>(f)]);
-    if (f + 1 == kLostAt) before = reconstructor.points().size();
-    if (f == kLostAt) {
-      EXPECT_EQ(reconstructor.points().size(), before) << "what there is, stays";
+  options.plant_every = 1;
+  for (const Step step : {Step::kSetFrame, Step::kUpdate, Step::kPlant}) {
+    Reconstructor whole(options, NearFar());
+    Reconstructor reconstructor(
+        options, NearFar(), std::make_unique<FailingBackend>(options, step, kLostAt));
+    std::size_t before = 0;
+    for (int f = 0; f < kAll; ++f) {
+      const PosedFrame& frame = frames[static_cast<std::size_t>(f)];
+      const std::size_t added = reconstructor.AddFrame(frame).size();
+      if (f <= kLostAt) whole.AddFrame(frame);
+      if (f + 1 == kLostAt) before = reconstructor.points().size();
+      if (f != kLostAt) continue;
+      EXPECT_EQ(reconstructor.points().size(), before + added) << "what there is, stays";
       EXPECT_EQ(reconstructor.live_seeds(), 0U);
+      // Planting comes last: the frame's points are there already.
+      const bool planting = step == Step::kPlant;
+      EXPECT_TRUE(!planting || Identical(reconstructor.points(), whole.points()));
+      EXPECT_TRUE(planting || added == 0);
     }
+    EXPECT_GT(before, 0U);
+    EXPECT_TRUE(reconstructor.backend_name().starts_with("CPU"));
+    EXPECT_GT(reconstructor.live_seeds(), 0U) << "seeds are planted anew";
+    EXPECT_GT(reconstructor.points().size(), before);
   }
-  EXPECT_GT(before, 0U);
-  EXPECT_TRUE(reconstructor.backend_name().starts_with("CPU"));
-  EXPECT_GT(reconstructor.live_seeds(), 0U) << "seeds are planted anew";
-  EXPECT_GT(reconstructor.points().size(), before);
 }
 
 TEST(ReconstructorTest, WhereTheGpuWasAskedForItsLossIsAnError) {
   constexpr int kLostAt = 20;
   Options options = TestOptions();
   Reconstructor reconstructor(
-      options, NearFar(), std::make_unique<FailingBackend>(options, kLostAt));
+      options, NearFar(), std::make_unique<FailingBackend>(options, Step::kUpdate, kLostAt));
   for (int f = 0; f < kLostAt; ++f) {
     reconstructor.AddFrame(PlaneFrames()[static_cast<std::size_t>(f)]);
   }

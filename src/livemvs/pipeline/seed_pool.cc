@@ -1,31 +1,24 @@
 #include "livemvs/pipeline/seed_pool.h"
 
-#include <cassert>
-
 namespace livemvs {
 
-void SeedPool::BeginReference(std::int64_t frame_index,
-                              int level,
-                              const Camera& camera,
-                              const Rigid3d& cam_from_world) {
-  references_.push_back({end_, end_, 0, frame_index, level, camera, cam_from_world});
-}
-
-void SeedPool::Add(const NewSeed& seed) {
-  assert(end_ < capacity() && !references_.empty());
-  born_.push_back(seed);
-  references_.back().end = ++end_;
-  ++references_.back().alive;
-  ++alive_;
-}
-
-void SeedPool::EndReference(const Posterior<float>& prior) {
-  if (born_.empty()) {
-    references_.pop_back();
-    return;
+std::int64_t SeedPool::Plant(std::int64_t frame_index, const Planting& planting) {
+  const std::size_t before = alive_;
+  const std::vector<std::size_t> planted = backend_->Plant(planting);
+  for (std::size_t l = planted.size(); l-- > 0;) {
+    if (planted[l] == 0) continue;
+    const int level = static_cast<int>(l);
+    references_.push_back({end_,
+                           end_ + planted[l],
+                           planted[l],
+                           frame_index,
+                           level,
+                           AtLevel(planting.frame.camera, level),
+                           planting.frame.cam_from_world});
+    end_ += planted[l];
+    alive_ += planted[l];
   }
-  backend_->Append(born_, prior);
-  born_.clear();
+  return static_cast<std::int64_t>(alive_ - before);
 }
 
 void SeedPool::Compact() {

@@ -41,17 +41,9 @@ class SeedPool {
   std::size_t free_slots() const { return capacity() - alive_; }
   const std::vector<ReferenceFrame>& references() const { return references_; }
 
-  /// Opens a new group; Add() appends to it.
-  void BeginReference(std::int64_t frame_index,
-                      int level,
-                      const Camera& camera,
-                      const Rigid3d& cam_from_world);
-
-  /// Appends a seed, whose patch is there until the group closes; the pool must have a free slot.
-  void Add(const NewSeed& seed);
-
-  /// Closes the group: its seeds start with that posterior. A group without seeds goes.
-  void EndReference(const Posterior<float>& prior);
+  /// Plants seeds in the backend's current frame (step 1 of Algorithm 1), as a group for each level
+  /// of its pyramid, and returns how many in all.
+  std::int64_t Plant(std::int64_t frame_index, const Planting& planting);
 
   /// Calls f(reference, seed) for the seeds that ended, in order; their slots are free after the
   /// next Compact().
@@ -92,7 +84,6 @@ class SeedPool {
   std::size_t end_ = 0;  // one past the last slot in use
   std::size_t alive_ = 0;
   std::vector<ReferenceFrame> references_;
-  std::vector<NewSeed> born_;  // of the open group
 };
 
 }  // namespace livemvs

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
 
 #include "livemvs/backend/backend.h"
+#include "livemvs/backend/cpu/host_seeds.h"
 #include "plane_scene.h"
 
 namespace livemvs {
@@ -12,41 +14,58 @@ namespace {
 
 constexpr std::size_t kCapacity = 10;
 
-Options SmallPool() {
-  Options options = testing_support::TestOptions();
-  options.max_seeds = kCapacity;
-  options.max_unseen = 1;
-  return options;
-}
-
-// A pool whose seeds carry their number as bearing.
-class SeedPoolTest : public ::testing::Test {
- protected:
-  void Plant(std::int64_t frame, int first, int end) {
-    pool_.BeginReference(frame, 0, scene_.camera, Rigid3d{});
-    for (int n = first; n < end; ++n) {
-      pool_.Add({{0.5F, 1.5F},
-                 static_cast<float>(n),
-                 0,
-                 &image_[kPatchRadius * kPatchSize + kPatchRadius],
-                 kPatchSize});
+// Plants as many seeds as it is told, which carry their number as bearing; they end when told to.
+class ToldBackend final : public Backend {
+ public:
+  std::string name() const override { return "told"; }
+  std::size_t capacity() const override { return seeds_.capacity(); }
+  void SetFrame(std::span<const ImageView<std::uint8_t>> /*pyramid*/) override {}
+  UpdateStatistics Update(std::span<const SeedGroup> /*groups*/, CameraModel /*model*/) override {
+    return {};
+  }
+  std::span<const EndedSeed> TakeEnded() override { return seeds_.TakeEnded(); }
+  void Compact() override { seeds_.Compact(); }
+  std::vector<std::size_t> Plant(const Planting& /*planting*/) override {
+    const std::array<std::uint8_t, kPatchPixels> patch{};
+    for (std::size_t l = told.size(); l-- > 0;) {
+      for (std::size_t n = 0; n < told[l]; ++n) {
+        const auto number = static_cast<float>(next_++);
+        seeds_.Append({{0.5F, 1.5F}, number, 0, &patch[kPatchPixels / 2], kPatchSize},
+                      {0.5F, 0.04F, 5, 5});
+      }
     }
-    pool_.EndReference({0.5F, 0.04F, 5, 5});
+    return told;
+  }
+  void ForgetPoints() override {}
+  std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) override {
+    return seeds_.Read(begin, end, step);
+  }
+  std::vector<std::uint8_t> ReadPatches(std::size_t begin, std::size_t end) override {
+    return seeds_.ReadPatches(begin, end);
   }
 
-  // Ends the seeds in slots [begin, end): they meet a frame that sees none of them.
+  void End(std::size_t slot) { seeds_.columns().fate[slot] = Fate::kUnseen; }
+
+  std::vector<std::size_t> told;  // how many to plant next, by level
+
+ private:
+  HostSeeds seeds_{kCapacity};
+  int next_ = 0;
+};
+
+// Seeds are numbered in the order of their birth.
+class SeedPoolTest : public ::testing::Test {
+ protected:
+  void Plant(std::int64_t frame, const std::vector<std::size_t>& by_level) {
+    backend().told = by_level;
+    std::size_t all = 0;
+    for (const std::size_t n : by_level) all += n;
+    EXPECT_EQ(pool_.Plant(frame, {{scene_.camera, Rigid3d{}}, nullptr, {}, {}}),
+              static_cast<std::int64_t>(all));
+  }
+
   void End(std::size_t begin, std::size_t end) {
-    const Rigid3d away{Eigen::Matrix3d::Identity(), {0, 0, -10}};
-    SeedGroup group{};
-    group.begin = begin;
-    group.end = end;
-    group.view = MakeRelativeView<float>(scene_.camera, Rigid3d{}, scene_.camera, away);
-    group.pixel_width = 1e-3F;
-    const Image<std::uint8_t> grey(scene_.camera.width, scene_.camera.height);
-    const ImageView<std::uint8_t> pyramid[] = {grey.view()};
-    const UpdateStatistics statistics =
-        pool_.backend().Update({group}, scene_.camera.model, pyramid);
-    EXPECT_EQ(statistics.out_of_view, static_cast<std::int64_t>(end - begin));
+    for (std::size_t slot = begin; slot < end; ++slot) backend().End(slot);
   }
 
   std::vector<std::pair<std::int64_t, int>> TakeEnded() {
@@ -68,15 +87,16 @@ class SeedPoolTest : public ::testing::Test {
 
   using Seeds = std::vector<std::pair<std::int64_t, int>>;
 
+  ToldBackend& backend() { return static_cast<ToldBackend&>(pool_.backend()); }
+
   testing_support::PlaneScene scene_;
-  std::array<std::uint8_t, kPatchPixels> image_{};
-  SeedPool pool_{MakeCpuBackend(SmallPool())};
+  SeedPool pool_{std::make_unique<ToldBackend>()};
 };
 
 TEST_F(SeedPoolTest, KeepsOrderAndGroupsWhenGapsClose) {
-  Plant(3, 0, 4);
-  Plant(5, 4, 6);
-  Plant(8, 6, 10);
+  Plant(3, {4});
+  Plant(5, {2});
+  Plant(8, {4});
   EXPECT_EQ(pool_.size(), 10U);
   EXPECT_EQ(pool_.free_slots(), 0U);
   End(1, 3);
@@ -95,14 +115,14 @@ TEST_F(SeedPoolTest, KeepsOrderAndGroupsWhenGapsClose) {
   EXPECT_EQ(pool_.references()[0].end, 2U);
   EXPECT_EQ(pool_.references()[1].begin, 2U);
   EXPECT_EQ(pool_.references()[1].end, 5U);
-  Plant(9, 40, 41);
-  EXPECT_EQ(Alive().back(), (std::pair<std::int64_t, int>{9, 40}));
+  Plant(9, {1});
+  EXPECT_EQ(Alive().back(), (std::pair<std::int64_t, int>{9, 10}));
   EXPECT_EQ(pool_.size(), 6U);
 }
 
 TEST_F(SeedPoolTest, EmptiesAndFillsAgain) {
   for (int round = 0; round < 3; ++round) {
-    Plant(round, 0, 10);
+    Plant(round, {10});
     End(0, 10);
     EXPECT_EQ(TakeEnded().size(), 10U);
     pool_.Compact();
@@ -113,8 +133,25 @@ TEST_F(SeedPoolTest, EmptiesAndFillsAgain) {
 }
 
 TEST_F(SeedPoolTest, AGroupWithoutSeedsIsNone) {
-  Plant(1, 0, 0);
+  Plant(1, {0, 0});
   EXPECT_TRUE(pool_.references().empty());
+}
+
+TEST_F(SeedPoolTest, EachLevelIsAGroupTheCoarsestFirst) {
+  Plant(4, {5, 0, 2});
+  ASSERT_EQ(pool_.references().size(), 2U);
+  const ReferenceFrame& coarse = pool_.references()[0];
+  const ReferenceFrame& fine = pool_.references()[1];
+  EXPECT_EQ(coarse.level, 2);
+  EXPECT_EQ(coarse.begin, 0U);
+  EXPECT_EQ(coarse.end, 2U);
+  EXPECT_EQ(coarse.camera.width, scene_.camera.width / 4);
+  EXPECT_EQ(fine.level, 0);
+  EXPECT_EQ(fine.begin, 2U);
+  EXPECT_EQ(fine.end, 7U);
+  EXPECT_EQ(fine.alive, 5U);
+  EXPECT_EQ(fine.frame_index, 4);
+  EXPECT_EQ(pool_.size(), 7U);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "livemvs/backend/backend.h"
 #include "livemvs/backend/cpu/host_seeds.h"
 #include "livemvs/backend/cpu/kernels.h"
+#include "livemvs/backend/cpu/planter.h"
 #include "livemvs/backend/cpu/row_pairs.h"
 #include "livemvs/backend/warp_rule.h"
 #include "livemvs/parallel/parallel_for.h"
@@ -99,27 +100,24 @@ class CpuBackend final : public Backend {
         is_outlier_(options.eta_outlier, options.outlier_certainty),
         warp_rule_(options),
         kernel_(ChooseKernel()),
-        seeds_(static_cast<std::size_t>(options.max_seeds)) {}
+        seeds_(static_cast<std::size_t>(options.max_seeds)),
+        planter_(options_, kernel_.mark) {}
 
   std::string name() const override { return std::string("CPU, ") + kernel_.name; }
 
   std::size_t capacity() const override { return seeds_.capacity(); }
 
-  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) override {
-    seeds_.Append(seeds, prior);
-  }
+  void SetFrame(std::span<const ImageView<std::uint8_t>> pyramid) override { pyramid_ = pyramid; }
 
-  UpdateStatistics Update(const std::vector<SeedGroup>& groups,
-                          CameraModel model,
-                          std::span<const ImageView<std::uint8_t>> pyramid) override {
+  UpdateStatistics Update(std::span<const SeedGroup> groups, CameraModel model) override {
     tasks_.clear();
-    pairs_.resize(pyramid.size());
-    std::vector<bool> paired(pyramid.size());
+    pairs_.resize(pyramid_.size());
+    std::vector<bool> paired(pyramid_.size());
     for (const SeedGroup& group : groups) {
       const auto level = static_cast<std::size_t>(group.level);
-      const bool warp = NeedsWarp(group, pyramid[level]);
+      const bool warp = NeedsWarp(group, pyramid_[level]);
       if (warp && !paired[level]) {
-        pairs_[level].Build(pyramid[level]);
+        pairs_[level].Build(pyramid_[level]);
         paired[level] = true;
       }
       const UpdateJob job = {&options_,
@@ -127,7 +125,7 @@ class CpuBackend final : public Backend {
                              seeds_.columns(),
                              &group,
                              model,
-                             {pyramid[level], pairs_[level].view()},
+                             {pyramid_[level], pairs_[level].view()},
                              warp};
       for (std::size_t begin = group.begin; begin < group.end; begin += kSeedsPerTask) {
         tasks_.push_back({job, begin, std::min(begin + kSeedsPerTask, group.end)});
@@ -146,19 +144,11 @@ class CpuBackend final : public Backend {
 
   void Compact() override { seeds_.Compact(); }
 
-  void MarkPlaces(const std::vector<SeedGroup>& groups,
-                  CameraModel model,
-                  std::span<Image<std::uint8_t>> marks) override {
-    for (const SeedGroup& group : groups) {
-      Image<std::uint8_t>& picture = marks[static_cast<std::size_t>(group.level)];
-      const MarkJob job = {
-          options_.coordinate, seeds_.columns(), &group, model, picture.Row(0), picture.stride()};
-      ParallelForRange(
-          group.begin, group.end, kSeedsPerTask, [&](std::size_t first, std::size_t last) {
-            kernel_.mark(job, first, last);
-          });
-    }
+  std::vector<std::size_t> Plant(const Planting& planting) override {
+    return planter_.Plant(planting, pyramid_, &seeds_);
   }
+
+  void ForgetPoints() override { planter_.ForgetPoints(); }
 
   std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) override {
     return seeds_.Read(begin, end, step);
@@ -182,6 +172,8 @@ class CpuBackend final : public Backend {
   WarpRule warp_rule_;
   NamedKernel kernel_;
   HostSeeds seeds_;
+  Planter planter_;
+  std::span<const ImageView<std::uint8_t>> pyramid_;
   std::vector<RowPairs> pairs_;  // of the levels whose seeds need them
   std::vector<Task> tasks_;
   std::vector<UpdateStatistics> results_;

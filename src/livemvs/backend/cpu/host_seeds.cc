@@ -43,17 +43,9 @@ HostSeeds::HostSeeds(std::size_t capacity) : capacity_(capacity) {
   columns_.fate = Column<Fate>(1, 0);
 }
 
-void HostSeeds::Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) {
-  CheckRoom(end_, seeds.size(), capacity_);
-  for (const NewSeed& seed : seeds) {
-    const std::size_t i = end_++;
-    columns_.c0[i] = seed.interval.c0;
-    columns_.c1[i] = seed.interval.c1;
-    columns_.bearing_x[i] = seed.bearing_x;
-    columns_.bearing_y[i] = seed.bearing_y;
-    CopyPatch(seed, columns_.patch + i * kPatchPixels);
-    StartSeed(columns_, i, prior);
-  }
+void HostSeeds::Append(const NewSeed& seed, const Posterior<float>& prior) {
+  assert(room() > 0);
+  StartSeed(columns_, end_++, seed, prior);
 }
 
 std::span<const EndedSeed> HostSeeds::TakeEnded() {

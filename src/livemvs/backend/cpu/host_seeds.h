@@ -16,9 +16,13 @@ class HostSeeds {
 
   std::size_t capacity() const { return capacity_; }
   const SeedColumns& columns() const { return columns_; }
+  /// Slots that may be appended to.
+  std::size_t room() const { return capacity_ - end_; }
+
+  /// Puts a newborn seed behind those that are there, where there is room.
+  void Append(const NewSeed& seed, const Posterior<float>& prior);
 
   // See Backend.
-  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior);
   std::span<const EndedSeed> TakeEnded();
   void Compact();
   std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) const;

@@ -4,7 +4,6 @@
 #include "livemvs/backend/cpu/kernels.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstring>

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "livemvs/backend/cuda/device_memory.h"
+#include "livemvs/backend/cuda/device_planter.h"
 #include "livemvs/backend/cuda/device_seeds.h"
 #include "livemvs/backend/cuda/seed_kernels.h"
 
@@ -16,7 +17,7 @@ namespace {
 class DevicePyramid {
  public:
   /// Begins to copy it there; `grey` may go at once. Nothing may still use the pyramid before.
-  const CurrentImage* Upload(std::span<const ImageView<std::uint8_t>> grey, const Stream& stream) {
+  void Upload(std::span<const ImageView<std::uint8_t>> grey, const Stream& stream) {
     std::size_t pixels = 0;
     for (const auto& level : grey) pixels += SizeOf(level);
     std::uint8_t* staging = grey_.Fill(pixels + kAlignment);
@@ -43,8 +44,13 @@ class DevicePyramid {
             images[l].grey, const_cast<std::uint16_t*>(images[l].pairs.data), stream.get());
       }
     }
-    return images_.Upload(grey.size(), stream);
+    images_.Upload(grey.size(), stream);
+    levels_ = grey.size();
   }
+
+  /// The levels, for the host to look at and for the device; pixels are on the device.
+  std::span<const CurrentImage> levels() const { return {images_.host(), levels_}; }
+  const CurrentImage* on_device() const { return images_.device(); }
 
  private:
   static constexpr int kAlignment = 128;
@@ -59,6 +65,7 @@ class DevicePyramid {
   Table<std::uint8_t> grey_;
   DeviceArray<std::uint16_t> pairs_;
   Table<CurrentImage> images_;
+  std::size_t levels_ = 0;
 };
 
 class CudaBackend final : public Backend {
@@ -68,6 +75,7 @@ class CudaBackend final : public Backend {
         warp_rule_(options),
         device_(std::move(device)),
         seeds_(static_cast<std::size_t>(options.max_seeds), &stream_),
+        planter_(options_, &stream_),
         totals_on_host_(1) {
     *options_on_device_.Fill(1) = options;
     new (is_outlier_.Fill(1)) OutlierRule(options.eta_outlier, options.outlier_certainty);
@@ -80,20 +88,18 @@ class CudaBackend final : public Backend {
 
   std::size_t capacity() const override { return seeds_.capacity(); }
 
-  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) override {
-    seeds_.Append(seeds, prior);
+  void SetFrame(std::span<const ImageView<std::uint8_t>> pyramid) override {
+    stream_.Wait("finish before the next frame");
+    pyramid_.Upload(pyramid, stream_);
   }
 
-  UpdateStatistics Update(const std::vector<SeedGroup>& groups,
-                          CameraModel model,
-                          std::span<const ImageView<std::uint8_t>> pyramid) override {
-    stream_.Wait("finish before the next frame");
+  UpdateStatistics Update(std::span<const SeedGroup> groups, CameraModel model) override {
     const KernelArguments common = UploadGroups(groups);
     if (common.block_count == 0) return {};
-    const CurrentImage* levels = pyramid_.Upload(pyramid, stream_);
     Check(cudaMemsetAsync(totals_.get(), 0, sizeof(StatusTotals), stream_.get()), "clear sums");
-    LaunchUpdate(
-        {common, levels, ChooseWarp(groups, common, pyramid), totals_.get()}, model, stream_.get());
+    LaunchUpdate({common, pyramid_.on_device(), ChooseWarp(groups, common), totals_.get()},
+                 model,
+                 stream_.get());
     Check(cudaGetLastError(), "update seeds");
     Copy(totals_.get(), totals_on_host_.get(), 1, stream_);
     seeds_.SelectEnded();
@@ -113,33 +119,11 @@ class CudaBackend final : public Backend {
 
   void Compact() override { seeds_.Compact(); }
 
-  void MarkPlaces(const std::vector<SeedGroup>& groups,
-                  CameraModel model,
-                  std::span<Image<std::uint8_t>> marks) override {
-    stream_.Wait("finish before places are marked");
-    const KernelArguments common = UploadGroups(groups);
-    if (common.block_count == 0) return;
-    std::size_t pixels = 0;
-    for (const auto& level : marks) pixels += SizeOf(level);
-    marks_.Reserve(pixels);
-    Check(cudaMemsetAsync(marks_.get(), 0, pixels, stream_.get()), "clear marks");
-    MarkImage* images = mark_images_.Fill(marks.size());
-    std::size_t begin = 0;
-    for (std::size_t l = 0; l < marks.size(); begin += SizeOf(marks[l++])) {
-      images[l] = {marks_.get() + begin, marks[l].stride()};
-    }
-    LaunchMark(common,
-               options_.coordinate,
-               mark_images_.Upload(marks.size(), stream_),
-               model,
-               stream_.get());
-    Check(cudaGetLastError(), "mark places");
-    begin = 0;
-    for (std::size_t l = 0; l < marks.size(); begin += SizeOf(marks[l++])) {
-      Copy(marks_.get() + begin, marks[l].Row(0), SizeOf(marks[l]), stream_);
-    }
-    stream_.Wait("mark places");
+  std::vector<std::size_t> Plant(const Planting& planting) override {
+    return planter_.Plant(planting, pyramid_.levels(), UploadGroups(planting.groups), &seeds_);
   }
+
+  void ForgetPoints() override { planter_.ForgetPoints(); }
 
   std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step) override {
     return seeds_.Read(begin, end, step);
@@ -150,17 +134,19 @@ class CudaBackend final : public Backend {
   }
 
  private:
-  static std::size_t SizeOf(const Image<std::uint8_t>& image) {
-    return static_cast<std::size_t>(image.stride()) * image.height();
-  }
-
   // Begins to copy the groups, and which of their seeds are for which block of threads.
-  KernelArguments UploadGroups(const std::vector<SeedGroup>& groups) {
+  KernelArguments UploadGroups(std::span<const SeedGroup> groups) {
     std::size_t count = 0;
     for (const SeedGroup& group : groups) {
       count += (group.end - group.begin + kSeedsPerBlock - 1) / kSeedsPerBlock;
     }
-    if (count == 0) return {};
+    KernelArguments arguments = {options_on_device_.device(),
+                                 is_outlier_.device(),
+                                 seeds_.columns(),
+                                 nullptr,
+                                 nullptr,
+                                 static_cast<unsigned>(count)};
+    if (count == 0) return arguments;
     SeedBlock* block = blocks_.Fill(count);
     for (std::uint32_t g = 0; g < groups.size(); ++g) {
       const auto end = static_cast<std::uint32_t>(groups[g].end);
@@ -169,21 +155,17 @@ class CudaBackend final : public Backend {
       }
     }
     std::ranges::copy(groups, groups_.Fill(groups.size()));
-    return {options_on_device_.device(),
-            is_outlier_.device(),
-            seeds_.columns(),
-            groups_.Upload(groups.size(), stream_),
-            blocks_.Upload(count, stream_),
-            static_cast<unsigned>(count)};
+    arguments.groups = groups_.Upload(groups.size(), stream_);
+    arguments.blocks = blocks_.Upload(count, stream_);
+    return arguments;
   }
 
   // Begins to decide which groups' sampling grids follow the relative pose.
-  const Warp* ChooseWarp(const std::vector<SeedGroup>& groups,
-                         const KernelArguments& common,
-                         std::span<const ImageView<std::uint8_t>> pyramid) {
+  const Warp* ChooseWarp(std::span<const SeedGroup> groups, const KernelArguments& common) {
     Warp* warp = warp_.Fill(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
-      const ImageView<std::uint8_t>& image = pyramid[static_cast<std::size_t>(groups[g].level)];
+      const ImageView<std::uint8_t>& image =
+          pyramid_.levels()[static_cast<std::size_t>(groups[g].level)].grey;
       warp[g] = !WarpRule::Allows(image.width, image.height) ? Warp::kNo
                 : warp_rule_.Turned(groups[g].view)          ? Warp::kYes
                                                              : Warp::kAskScale;
@@ -203,6 +185,7 @@ class CudaBackend final : public Backend {
   std::string device_;
   Stream stream_;
   DeviceSeeds seeds_;
+  DevicePlanter planter_;
   Table<Options> options_on_device_;
   Table<OutlierRule> is_outlier_;
   Table<SeedGroup> groups_;
@@ -211,8 +194,6 @@ class CudaBackend final : public Backend {
   DevicePyramid pyramid_;
   DeviceArray<StatusTotals> totals_;
   PinnedArray<StatusTotals> totals_on_host_;
-  DeviceArray<std::uint8_t> marks_;
-  Table<MarkImage> mark_images_;
 };
 
 // Why the kernels do not run on a device; empty: they do.

@@ -112,6 +112,17 @@ void Copy(const T* from, T* to, std::size_t count, const Stream& stream) {
         "copy memory");
 }
 
+/// Makes room for `size` entries, half as many again if the array must grow, and keeps the first
+/// `used` of them.
+template <typename T>
+void Grow(std::size_t size, std::size_t used, const Stream& stream, DeviceArray<T>* array) {
+  if (size <= array->size()) return;
+  DeviceArray<T> larger(size + size / 2);
+  if (used > 0) Copy(array->get(), larger.get(), used, stream);
+  stream.Wait("grow memory");
+  array->swap(larger);
+}
+
 /// An array with a copy in pinned memory, through which it is filled.
 template <typename T>
 class Table {
@@ -130,6 +141,8 @@ class Table {
   }
 
   T* device() const { return device_.get(); }
+  /// What was filled in.
+  const T* host() const { return host_.get(); }
 
  private:
   PinnedArray<T> host_;

@@ -11,7 +11,6 @@ namespace {
 
 constexpr int kThreads = 256;
 constexpr std::size_t kPatchPadding = 16;  // words are read whole
-constexpr std::size_t kChunk = 1 << 16;    // newborn seeds that are copied together
 
 unsigned BlocksFor(std::size_t threads) {
   return static_cast<unsigned>((threads + kThreads - 1) / kThreads);
@@ -30,15 +29,6 @@ struct IsKept {
   const Fate* fate;
   __device__ bool operator()(std::uint32_t i) const { return fate[i] != Fate::kRemoved; }
 };
-
-__global__ void StartSeeds(SeedColumns s,
-                           std::size_t begin,
-                           std::size_t n,
-                           Posterior<float> prior) {
-  const std::size_t thread = ThreadNumber();
-  if (thread >= n) return;
-  StartSeed(s, begin + thread, prior);
-}
 
 __global__ void GatherEnded(SeedColumns s,
                             const std::uint32_t* slots,
@@ -125,9 +115,6 @@ void DeviceSeeds::Storage::swap(Storage& other) noexcept {
   fate.swap(other.fate);
 }
 
-DeviceSeeds::Staging::Staging()
-    : c0(kChunk), c1(kChunk), bearing_x(kChunk), bearing_y(kChunk), patch(kChunk * kPatchPixels) {}
-
 DeviceSeeds::DeviceSeeds(std::size_t capacity, const Stream* stream)
     : capacity_(capacity),
       stream_(stream),
@@ -167,33 +154,6 @@ void DeviceSeeds::Select(const Predicate& predicate) {
                               predicate,
                               stream_->get()),
         "select seeds");
-}
-
-void DeviceSeeds::Append(std::span<const NewSeed> seeds, const Posterior<float>& prior) {
-  CheckRoom(end_, seeds.size(), capacity_);
-  for (std::size_t first = 0; first < seeds.size(); first += kChunk) {
-    AppendChunk(seeds.subspan(first, std::min(kChunk, seeds.size() - first)), prior);
-  }
-}
-
-void DeviceSeeds::AppendChunk(std::span<const NewSeed> seeds, const Posterior<float>& prior) {
-  stream_->Wait("copy new seeds");  // the staging memory is free again
-  for (std::size_t i = 0; i < seeds.size(); ++i) {
-    staging_.c0.get()[i] = seeds[i].interval.c0;
-    staging_.c1.get()[i] = seeds[i].interval.c1;
-    staging_.bearing_x.get()[i] = seeds[i].bearing_x;
-    staging_.bearing_y.get()[i] = seeds[i].bearing_y;
-    CopyPatch(seeds[i], staging_.patch.get() + i * kPatchPixels);
-  }
-  const std::size_t n = seeds.size();
-  Copy(staging_.c0.get(), columns_.c0 + end_, n, *stream_);
-  Copy(staging_.c1.get(), columns_.c1 + end_, n, *stream_);
-  Copy(staging_.bearing_x.get(), columns_.bearing_x + end_, n, *stream_);
-  Copy(staging_.bearing_y.get(), columns_.bearing_y + end_, n, *stream_);
-  Copy(staging_.patch.get(), columns_.patch + end_ * kPatchPixels, n * kPatchPixels, *stream_);
-  StartSeeds<<<BlocksFor(n), kThreads, 0, stream_->get()>>>(columns_, end_, n, prior);
-  Check(cudaGetLastError(), "start seeds");
-  end_ += n;
 }
 
 void DeviceSeeds::SelectEnded() {

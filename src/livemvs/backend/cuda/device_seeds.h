@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "livemvs/backend/cuda/device_memory.h"
@@ -20,13 +21,18 @@ class DeviceSeeds {
 
   std::size_t capacity() const { return capacity_; }
   const SeedColumns& columns() const { return columns_; }
+  /// Slots behind the last seed.
+  std::size_t room() const { return capacity_ - end_; }
+
+  /// Counts the next `count` slots, for which there is room, as seeds, and returns the first: the
+  /// caller begins to write them.
+  std::size_t Extend(std::size_t count) { return std::exchange(end_, end_ + count); }
 
   /// Begins to look for the seeds that ended; TakeEnded() may be called after the stream's work is
   /// done.
   void SelectEnded();
 
   // See Backend.
-  void Append(std::span<const NewSeed> seeds, const Posterior<float>& prior);
   std::span<const EndedSeed> TakeEnded();
   void Compact();
   std::vector<SeedState> Read(std::size_t begin, std::size_t end, std::size_t step);
@@ -45,14 +51,6 @@ class DeviceSeeds {
     DeviceArray<Fate> fate;
   };
 
-  /// What newborn seeds bring along, in pinned memory.
-  struct Staging {
-    Staging();
-    PinnedArray<float> c0, c1, bearing_x, bearing_y;
-    PinnedArray<std::uint8_t> patch;
-  };
-
-  void AppendChunk(std::span<const NewSeed> seeds, const Posterior<float>& prior);
   template <typename Predicate>
   void Select(const Predicate& predicate);
 
@@ -62,7 +60,6 @@ class DeviceSeeds {
   std::size_t removed_ = 0;  // of those before it
   Storage storage_, spare_;
   SeedColumns columns_;
-  Staging staging_;
   DeviceArray<std::uint32_t> selected_;  // slots
   DeviceArray<std::uint8_t> scratch_;    // of the selection
   DeviceArray<std::uint32_t> selected_count_;

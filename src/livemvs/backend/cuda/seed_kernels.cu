@@ -1,7 +1,6 @@
 #include "livemvs/backend/cuda/seed_kernels.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -106,8 +105,7 @@ __global__ void MarkSeeds(KernelArguments a,
                           CameraModel model) {
   const SeedBlock range = a.blocks[blockIdx.x];
   const SeedGroup* group = a.groups + range.group;
-  const MarkImage picture = marks[group->level];
-  const MarkJob job = {coordinate, a.seeds, group, model, picture.data, picture.stride};
+  const MarkJob job = {coordinate, a.seeds, group, model, marks[group->level]};
   const std::uint32_t i = range.begin + threadIdx.x;
   if (i < range.end) MarkLanes<Model>(job, i, range.end);
 }

@@ -43,12 +43,6 @@ struct UpdateArguments {
   StatusTotals* totals;        ///< Are added to.
 };
 
-/// A picture of marks.
-struct MarkImage {
-  std::uint8_t* data;
-  std::ptrdiff_t stride;
-};
-
 static_assert(std::is_trivially_copyable_v<Options> && std::is_trivially_copyable_v<OutlierRule> &&
               std::is_trivially_copyable_v<SeedGroup> && std::is_trivially_copyable_v<WarpRule>);
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "livemvs/backend/backend.h"
+#include "livemvs/backend/mark_image.h"
 #include "livemvs/backend/seed_columns.h"
 
 namespace livemvs {
@@ -31,8 +31,7 @@ struct MarkJob {
   SeedColumns seeds;
   const SeedGroup* group;
   CameraModel model;
-  std::uint8_t* marks;  ///< Of the size of the group's level of the pyramid.
-  std::ptrdiff_t stride;
+  MarkImage marks;  ///< Of the group's level of the pyramid.
 };
 
 }  // namespace livemvs

@@ -1,4 +1,4 @@
-#include "livemvs/pipeline/scene_range.h"
+#include "livemvs/core/scene_range.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -116,26 +116,26 @@ std::optional<Box> SceneRange::SoughtBox() const {
   return box->Grown(kMargin * (box->max - box->min).norm());
 }
 
+RangeBounds BoundsOf(const SceneRange& range) {
+  RangeBounds bounds{};
+  bounds.near = range.near;
+  bounds.far = range.far;
+  const std::optional<Box> box = range.SoughtBox();
+  bounds.boxed = box.has_value();
+  for (int axis = 0; box && axis < 3; ++axis) {
+    bounds.box_min[axis] = box->min[axis];
+    bounds.box_max[axis] = box->max[axis];
+  }
+  return bounds;
+}
+
 std::optional<std::pair<double, double>> SceneRange::Along(const Eigen::Vector3d& center,
                                                            const Eigen::Vector3d& direction,
                                                            double cosine) const {
-  double lo = near / cosine;
-  double hi = far / cosine;
-  if (const std::optional<Box> sought = SoughtBox()) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double d = direction[axis];
-      if (std::abs(d) < 1e-12) {
-        if (center[axis] < sought->min[axis] || center[axis] > sought->max[axis])
-          return std::nullopt;
-        continue;
-      }
-      const double s0 = (sought->min[axis] - center[axis]) / d;
-      const double s1 = (sought->max[axis] - center[axis]) / d;
-      lo = std::max(lo, std::min(s0, s1));
-      hi = std::min(hi, std::max(s0, s1));
-    }
+  double lo = 0, hi = 0;
+  if (!ClipRay(BoundsOf(*this), center.data(), direction.data(), cosine, &lo, &hi)) {
+    return std::nullopt;
   }
-  if (!(lo < hi)) return std::nullopt;
   return std::pair(lo, hi);
 }
 

@@ -1,9 +1,9 @@
-#include "livemvs/pipeline/candidates.h"
+#include "livemvs/backend/cpu/candidates.h"
 
+#include <array>
 #include <mutex>
 #include <vector>
 
-#include "livemvs/core/seed.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -11,14 +11,10 @@ namespace {
 
 constexpr std::size_t kRowsPerTask = 32;
 
-// Order in which the pixels of a 4 x 4 cell are taken (Bayer).
-constexpr int kCell = 4;
-constexpr std::array<std::uint8_t, kCell* kCell> kPhaseOfCell = {
-    0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+constexpr int kCell = 4;  // phases repeat every so many rows of candidates
 
-// Finds the candidates of consecutive rows. Loops run over whole rows, one quantity each, so that
-// the compiler makes vectors of them; grey levels and their sums are whole numbers that float
-// holds, and n² var is rounded by less than 4.
+// Finds the candidates of consecutive rows, as CandidateAt() does one by one. Loops run over whole
+// rows, one quantity each, so that the compiler makes vectors of them.
 class RowFinder {
  public:
   RowFinder(const ImageView<std::uint8_t>& grey,
@@ -31,7 +27,7 @@ class RowFinder {
         squares_(grey.width),
         flat_(grey.width),
         marked_(grey.width + 2 * std::max(rule.cover_radius, 0)) {
-    for (int cell_y = 0; cell_y < kCell; ++cell_y) phases_[cell_y] = PhasesOfRow(cell_y);
+    for (int row = 0; row < kCell; ++row) phases_[row] = PhasesOfRow(row);
   }
 
   // Writes 1 + phase of each pixel of the row, or 0. Rows come one after the other.
@@ -53,12 +49,11 @@ class RowFinder {
  private:
   // 1 + the phase of each pixel of a row that may be planted; 0 off the grid and out of the
   // rectangle.
-  std::vector<std::uint8_t> PhasesOfRow(int cell_y) const {
+  std::vector<std::uint8_t> PhasesOfRow(int row) const {
     std::vector<std::uint8_t> phases(grey_.width);
     const int first = (rule_.rect.x0 + rule_.spacing - 1) / rule_.spacing;
     for (int i = first; i * rule_.spacing < rule_.rect.x1; ++i) {
-      phases[i * rule_.spacing] =
-          static_cast<std::uint8_t>(1 + kPhaseOfCell[kCell * cell_y + i % kCell]);
+      phases[i * rule_.spacing] = static_cast<std::uint8_t>(1 + PhaseOf(i, row));
     }
     return phases;
   }
@@ -98,9 +93,7 @@ class RowFinder {
 
   // 1 where a patch has too little contrast.
   void FindFlat() {
-    constexpr float kPixels = kPatchPixels;
-    // n² var = n Σv² - (Σv)²
-    const float least = rule_.min_stddev * rule_.min_stddev * kPixels * kPixels;
+    const float least = LeastContrast(rule_);
     const float* __restrict sum = sum_.data();
     const float* __restrict squares = squares_.data();
     std::uint8_t* __restrict flat = flat_.data();
@@ -109,7 +102,7 @@ class RowFinder {
       const float s = sum[x - 2] + sum[x - 1] + sum[x] + sum[x + 1] + sum[x + 2];
       const float q =
           squares[x - 2] + squares[x - 1] + squares[x] + squares[x + 1] + squares[x + 2];
-      flat[x] = static_cast<std::uint8_t>(kPixels * q - s * s < least);
+      flat[x] = static_cast<std::uint8_t>(IsFlat(s, q, least));
     }
   }
 
@@ -151,7 +144,7 @@ void Candidates::Find(const ImageView<std::uint8_t>& grey,
   std::mutex mutex;
   ParallelForRange(rect_.y0, rect_.y1, kRowsPerTask, [&](std::size_t first, std::size_t last) {
     RowFinder finder(grey, marks, rule);
-    std::array<std::size_t, kPhases> count{};
+    PhaseCounts count{};
     for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y) {
       finder.Find(y, phase_.Row(y));
       ForEachInRow(y, [&](int, int, int phase) { ++count[phase]; });

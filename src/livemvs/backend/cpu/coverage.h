@@ -5,9 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "livemvs/core/frame.h"
+#include "livemvs/backend/mark_image.h"
 #include "livemvs/core/image.h"
 #include "livemvs/core/point.h"
+#include "livemvs/core/posed_camera.h"
 
 namespace livemvs {
 
@@ -16,21 +17,20 @@ namespace livemvs {
 class Coverage {
  public:
   /// @param angle_deg  Points seen from directions further apart than this do not cover each other.
-  explicit Coverage(float angle_deg);
+  explicit Coverage(float angle_deg) : angle_deg_(angle_deg) {}
 
   /// Clears the marks, and fits them to a frame's pyramid.
   void Reset(std::span<const ImageView<std::uint8_t>> pyramid);
 
-  /// Marks the pixels that points project to, from where they were seen similarly. A point marks
-  /// the levels on which it is not much wider than a pixel.
+  /// Marks what points cover; see MarkPoint().
   /// @param points  Those of the last call, and new ones after them; see Forget().
-  void MarkPoints(const PosedFrame& frame, const PointCloud& points);
+  void MarkPoints(const PosedCamera& frame, std::span<const Point> points);
 
   /// The points of the next call are others than those before.
   void Forget() { chunks_.clear(); }
 
-  /// By level; 1 where something is.
-  std::span<Image<std::uint8_t>> marks() { return {marks_.data(), levels_}; }
+  /// By level.
+  std::span<const MarkImage> marks() const { return marks_; }
 
  private:
   /// A sphere about consecutive points, so that those out of view are passed over together.
@@ -40,11 +40,11 @@ class Coverage {
     std::size_t size;
   };
 
-  void ExtendChunks(const PointCloud& points);
+  void ExtendChunks(std::span<const Point> points);
 
-  float min_cosine_;
-  std::size_t levels_ = 0;
-  std::vector<Image<std::uint8_t>> marks_;
+  float angle_deg_;
+  std::vector<Image<std::uint8_t>> pictures_;
+  std::vector<MarkImage> marks_;  // of the first of them
   std::vector<Chunk> chunks_;
 };
 

@@ -1,41 +1,25 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
+#include "livemvs/backend/planting.h"
 #include "livemvs/core/image.h"
 
 namespace livemvs {
 
-/// Pixels [x0, x1) x [y0, y1).
-struct PixelRect {
-  int x0, y0, x1, y1;
-};
-
-/// What makes a pixel worth a seed.
-struct CandidateRule {
-  PixelRect rect;    ///< Keeps from the border what a patch needs.
-  int spacing;       ///< Distance of neighbouring candidates [px].
-  int cover_radius;  ///< Pixels as near to a mark are none; -1: marks do not count.
-  float min_stddev;  ///< Of the grey levels of the patch.
-};
-
-/// The pixels of a picture where a seed may be planted, each with a phase: any number of the first
-/// phases is spread evenly over the picture. Buffers are kept between frames.
+/// The pixels of a picture where a seed may be planted, each with its phase. Buffers are kept
+/// between frames.
 class Candidates {
  public:
-  static constexpr int kPhases = 16;
-
   /// @param marks  Of the picture's size: 1 where something is known already.
   void Find(const ImageView<std::uint8_t>& grey,
             const ImageView<std::uint8_t>& marks,
             const CandidateRule& rule);
 
-  /// How many there are of each phase, but for those that were taken.
-  const std::array<std::size_t, kPhases>& count() const { return count_; }
+  /// How many were found of each phase.
+  const PhaseCounts& count() const { return count_; }
 
   /// Calls f(x, y, phase) for each, row by row; f may take it.
   template <typename F>
@@ -43,11 +27,8 @@ class Candidates {
     for (int y = rect_.y0; y < rect_.y1; ++y) ForEachInRow(y, f);
   }
 
-  /// The pixel, of that phase, is a candidate no longer.
-  void Take(int x, int y, int phase) {
-    phase_(x, y) = 0;
-    --count_[phase];
-  }
+  /// The pixel is a candidate no longer.
+  void Take(int x, int y) { phase_(x, y) = 0; }
 
  private:
   template <typename F>
@@ -66,7 +47,7 @@ class Candidates {
 
   PixelRect rect_{};
   Image<std::uint8_t> phase_;  // 1 + phase, or 0
-  std::array<std::size_t, kPhases> count_{};
+  PhaseCounts count_{};
 };
 
 }  // namespace livemvs

@@ -1,4 +1,4 @@
-#include "livemvs/pipeline/coverage.h"
+#include "livemvs/backend/cpu/coverage.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 namespace livemvs {
 namespace {
 
-PosedFrame FrameAt(const Eigen::Vector3d& center, double yaw) {
-  PosedFrame frame;
+PosedCamera FrameAt(const Eigen::Vector3d& center, double yaw) {
+  PosedCamera frame;
   frame.camera.width = 160;
   frame.camera.height = 120;
   frame.camera.fx = frame.camera.fy = 130;
@@ -51,7 +51,7 @@ TEST_F(CoverageTest, PassingOverWhatIsOutOfViewChangesNothing) {
   const PointCloud points = CloudAllRound(20'000);
   Coverage coverage(50);
   for (const double yaw : {0.0, 1.0, 2.5, 4.0}) {
-    const PosedFrame frame = FrameAt({0.3, 0.1, -0.2}, yaw);
+    const PosedCamera frame = FrameAt({0.3, 0.1, -0.2}, yaw);
     coverage.Reset(pyramid_);
     coverage.MarkPoints(frame, points);
     int marked = 0;
@@ -70,7 +70,7 @@ TEST_F(CoverageTest, PassingOverWhatIsOutOfViewChangesNothing) {
       bool near = false;
       for (int v = -1; v <= 1; ++v) {
         for (int u = -1; u <= 1; ++u) {
-          near = near || coverage.marks()[0](at.x() + u, at.y() + v) != 0;
+          near = near || coverage.marks()[0].view()(at.x() + u, at.y() + v) != 0;
           expected(at.x() + u, at.y() + v) = 1;
         }
       }
@@ -81,7 +81,7 @@ TEST_F(CoverageTest, PassingOverWhatIsOutOfViewChangesNothing) {
     int unexpected = 0;
     for (int y = 2; y < 118; ++y) {
       for (int x = 2; x < 158; ++x) {
-        unexpected += coverage.marks()[0](x, y) != 0 && expected(x, y) == 0;
+        unexpected += coverage.marks()[0].view()(x, y) != 0 && expected(x, y) == 0;
       }
     }
     // Points that just face the camera, or are just fine enough, may be judged either way.
@@ -90,7 +90,7 @@ TEST_F(CoverageTest, PassingOverWhatIsOutOfViewChangesNothing) {
 }
 
 TEST_F(CoverageTest, CoarsePointsMarkCoarseLevelsOnly) {
-  const PosedFrame frame = FrameAt({0, 0, 0}, 0);
+  const PosedCamera frame = FrameAt({0, 0, 0}, 0);
   Point point;
   point.position = {0, 0, 2};
   point.normal = {0, 0, -1};
@@ -99,13 +99,13 @@ TEST_F(CoverageTest, CoarsePointsMarkCoarseLevelsOnly) {
     point.footprint = footprint;  // a pixel is 2 / 130 = 0.0154 wide there
     Coverage coverage(50);
     coverage.Reset(pyramid_);
-    coverage.MarkPoints(frame, {point});
+    coverage.MarkPoints(frame, {&point, 1});
     int at_fine = 0, at_coarse = 0;
     for (int y = 0; y < 120; ++y) {
-      for (int x = 0; x < 160; ++x) at_fine += coverage.marks()[0](x, y);
+      for (int x = 0; x < 160; ++x) at_fine += coverage.marks()[0].view()(x, y);
     }
     for (int y = 0; y < 60; ++y) {
-      for (int x = 0; x < 80; ++x) at_coarse += coverage.marks()[1](x, y);
+      for (int x = 0; x < 80; ++x) at_coarse += coverage.marks()[1].view()(x, y);
     }
     EXPECT_EQ(at_fine, fine) << footprint;
     EXPECT_EQ(at_coarse, coarse) << footprint;
@@ -113,7 +113,7 @@ TEST_F(CoverageTest, CoarsePointsMarkCoarseLevelsOnly) {
 }
 
 TEST_F(CoverageTest, NewPointsAreSeenAndForgottenOnesAreNot) {
-  const PosedFrame frame = FrameAt({0, 0, 0}, 0);
+  const PosedCamera frame = FrameAt({0, 0, 0}, 0);
   PointCloud points = CloudAllRound(1000);
   Coverage coverage(50);
   const auto count = [&] {
@@ -121,7 +121,7 @@ TEST_F(CoverageTest, NewPointsAreSeenAndForgottenOnesAreNot) {
     coverage.MarkPoints(frame, points);
     int n = 0;
     for (int y = 0; y < 120; ++y) {
-      for (int x = 0; x < 160; ++x) n += coverage.marks()[0](x, y);
+      for (int x = 0; x < 160; ++x) n += coverage.marks()[0].view()(x, y);
     }
     return n;
   };

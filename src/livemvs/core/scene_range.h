@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "livemvs/core/camera.h"
+#include "livemvs/core/platform.h"
 #include "livemvs/core/point.h"
 #include "livemvs/core/posed_camera.h"
 
@@ -34,6 +37,41 @@ struct SceneRange {
                                                  const Eigen::Vector3d& direction,
                                                  double cosine) const;
 };
+
+/// A SceneRange as kernels take it: trivially copyable.
+struct RangeBounds {
+  double near, far;
+  bool boxed;
+  double box_min[3], box_max[3];  ///< Of the box that is sought, where it is boxed.
+};
+
+RangeBounds BoundsOf(const SceneRange& range);
+
+/// SceneRange::Along() with three numbers per vector; false where the ray misses.
+LIVEMVS_DEVICE inline bool ClipRay(const RangeBounds& range,
+                                   const double* center,
+                                   const double* direction,
+                                   double cosine,
+                                   double* nearest,
+                                   double* farthest) {
+  constexpr double kParallel = 1e-12;
+  double lo = range.near / cosine;
+  double hi = range.far / cosine;
+  for (int axis = 0; range.boxed && axis < 3; ++axis) {
+    const double d = direction[axis];
+    if (std::abs(d) < kParallel) {
+      if (center[axis] < range.box_min[axis] || center[axis] > range.box_max[axis]) return false;
+      continue;
+    }
+    const double s0 = (range.box_min[axis] - center[axis]) / d;
+    const double s1 = (range.box_max[axis] - center[axis]) / d;
+    lo = std::max(lo, std::min(s0, s1));
+    hi = std::min(hi, std::max(s0, s1));
+  }
+  *nearest = lo;
+  *farthest = hi;
+  return lo < hi;
+}
 
 /// The range of a box: depths between the nearest and the farthest corner from any camera.
 SceneRange RangeOfBox(const Box& box, const std::vector<PosedCamera>& cameras);

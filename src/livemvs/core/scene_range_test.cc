@@ -1,4 +1,4 @@
-#include "livemvs/pipeline/scene_range.h"
+#include "livemvs/core/scene_range.h"
 
 #include <gtest/gtest.h>
 

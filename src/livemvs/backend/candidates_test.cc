@@ -1,4 +1,4 @@
-#include "livemvs/pipeline/candidates.h"
+#include "livemvs/backend/cpu/candidates.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,9 @@
 #include <random>
 #include <set>
 #include <tuple>
+#include <vector>
 
-#include "livemvs/core/seed.h"
+#include "livemvs/backend/plant_rule.h"
 
 namespace livemvs {
 namespace {
@@ -69,7 +70,7 @@ TEST_P(CandidatesTest, AreThePixelsOfTheDefinition) {
   Candidates candidates;
   candidates.Find(p.grey.view(), p.marks.view(), rule);
   Found found;
-  std::array<std::size_t, Candidates::kPhases> count{};
+  PhaseCounts count{};
   candidates.ForEach([&](int x, int y, int phase) {
     found.insert({x, y});
     ++count[phase];
@@ -80,10 +81,38 @@ TEST_P(CandidatesTest, AreThePixelsOfTheDefinition) {
   EXPECT_EQ(count, candidates.count());
 }
 
+TEST_P(CandidatesTest, AreTheSameOneByOne) {
+  const auto [spacing, cover_radius] = GetParam();
+  const TexturedPicture p = RandomPicture(157, 113);
+  const CandidateRule rule = {{5, 4, 150, 109}, spacing, cover_radius, 6.05F};
+  Candidates candidates;
+  candidates.Find(p.grey.view(), p.marks.view(), rule);
+  using Places = std::vector<std::tuple<int, int, int>>;
+  Places rows, one_by_one;
+  candidates.ForEach([&](int x, int y, int phase) { rows.emplace_back(x, y, phase); });
+  const CandidateGrid grid = MakeCandidateGrid(rule);
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const int x = grid.X(i), y = grid.Y(i);
+    const int candidate = CandidateAt(p.grey.view(), p.marks.view(), rule, x, y);
+    if (candidate > 0) one_by_one.emplace_back(x, y, candidate - 1);
+  }
+  EXPECT_GT(rows.size(), 20U);
+  EXPECT_EQ(one_by_one, rows) << "in the same order, too";
+}
+
 INSTANTIATE_TEST_SUITE_P(SpacingsAndRadii,
                          CandidatesTest,
                          ::testing::Combine(::testing::Values(1, 2, 3),
                                             ::testing::Values(-1, 0, 1, 2)));
+
+TEST(Candidates, PhasesAreBayers) {
+  const int bayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 9; ++column) {
+      EXPECT_EQ(PhaseOf(column, row), bayer[row % 4][column % 4]) << column << ", " << row;
+    }
+  }
+}
 
 TEST(Candidates, PhasesAreSpreadEvenly) {
   Image<std::uint8_t> grey(200, 200), marks(200, 200);
@@ -92,7 +121,7 @@ TEST(Candidates, PhasesAreSpreadEvenly) {
   }
   Candidates candidates;
   candidates.Find(grey.view(), marks.view(), {{4, 4, 196, 196}, 1, 1, 10});
-  for (const std::size_t n : candidates.count()) EXPECT_EQ(n, 192U * 192U / Candidates::kPhases);
+  for (const std::size_t n : candidates.count()) EXPECT_EQ(n, 192U * 192U / kPhases);
 }
 
 TEST(Candidates, NothingInAnEmptyRectangle) {
@@ -100,6 +129,8 @@ TEST(Candidates, NothingInAnEmptyRectangle) {
   Candidates candidates;
   candidates.Find(grey.view(), marks.view(), {{3, 3, 3, 5}, 1, 1, 0});
   candidates.ForEach([](int, int, int) { FAIL(); });
+  EXPECT_EQ(MakeCandidateGrid({{3, 3, 3, 5}, 1, 1, 0}).size(), 0U);
+  EXPECT_EQ(MakeCandidateGrid({{5, 5, 8, 8}, 8, 1, 0}).size(), 0U) << "between two of the grid";
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+#include "livemvs/backend/cpu/planter.h"
+
+#include "livemvs/parallel/parallel_for.h"
+
+namespace livemvs {
+
+std::vector<std::size_t> Planter::Plant(const Planting& planting,
+                                        std::span<const ImageView<std::uint8_t>> pyramid,
+                                        HostSeeds* seeds) {
+  coverage_.Reset(pyramid);
+  if (options_.cover_radius_px >= 0) MarkKnown(planting, seeds->columns());
+  std::vector<std::size_t> planted(pyramid.size());
+  // Coarse seeds first: they are few.
+  for (std::size_t l = pyramid.size(); l-- > 0;) {
+    planted[l] = PlantLevel(planting, static_cast<int>(l), pyramid[l], seeds);
+  }
+  return planted;
+}
+
+void Planter::MarkKnown(const Planting& planting, const SeedColumns& seeds) {
+  constexpr std::size_t kSeedsPerTask = 2048;
+  for (const SeedGroup& group : planting.groups) {
+    const MarkJob job = {options_.coordinate,
+                         seeds,
+                         &group,
+                         planting.frame.camera.model,
+                         coverage_.marks()[static_cast<std::size_t>(group.level)]};
+    ParallelForRange(
+        group.begin, group.end, kSeedsPerTask, [&](std::size_t first, std::size_t last) {
+          mark_(job, first, last);
+        });
+  }
+  coverage_.MarkPoints(planting.frame, planting.points);
+}
+
+std::size_t Planter::PlantLevel(const Planting& planting,
+                                int level,
+                                const ImageView<std::uint8_t>& grey,
+                                HostSeeds* seeds) {
+  candidates_.Find(grey,
+                   coverage_.marks()[static_cast<std::size_t>(level)].view(),
+                   MakeCandidateRule(options_, planting, level));
+  const PlantView view = MakePlantView(options_, planting, level, grey);
+  return VisitModel(planting.frame.camera.model, [&](auto model) {
+    return PlantInRounds(candidates_.count(), seeds->room(), [&](const Share& share, std::size_t) {
+      return PlantShare<decltype(model)>(view, share, seeds);
+    });
+  });
+}
+
+template <typename Model>
+std::size_t Planter::PlantShare(const PlantView& view, const Share& share, HostSeeds* seeds) {
+  const Posterior<float> prior = PriorOf(options_);
+  std::size_t rank = 0, planted = 0;
+  candidates_.ForEach([&](int x, int y, int phase) {
+    if (phase > share.whole || seeds->room() == 0) return;
+    if (!share.Offers(phase, phase == share.whole ? rank++ : 0)) return;
+    candidates_.Take(x, y);
+    NewSeed seed;
+    if (!SeedAt<Model>(options_, view, x, y, &seed)) return;
+    seeds->Append(seed, prior);
+    ++planted;
+  });
+  return planted;
+}
+
+}  // namespace livemvs

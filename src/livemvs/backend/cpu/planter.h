@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "livemvs/backend/backend.h"
+#include "livemvs/backend/cpu/candidates.h"
+#include "livemvs/backend/cpu/coverage.h"
+#include "livemvs/backend/cpu/host_seeds.h"
+#include "livemvs/backend/cpu/kernels.h"
+#include "livemvs/backend/planting.h"
+
+namespace livemvs {
+
+/// Step 1 of Algorithm 1 on the CPU; see Backend. Buffers are kept between frames.
+class Planter {
+ public:
+  /// @param options  Must outlive it.
+  Planter(const Options& options, MarkKernel mark)
+      : options_(options), mark_(mark), coverage_(options.cover_angle_deg) {}
+
+  std::vector<std::size_t> Plant(const Planting& planting,
+                                 std::span<const ImageView<std::uint8_t>> pyramid,
+                                 HostSeeds* seeds);
+
+  void ForgetPoints() { coverage_.Forget(); }
+
+ private:
+  void MarkKnown(const Planting& planting, const SeedColumns& seeds);
+  std::size_t PlantLevel(const Planting& planting,
+                         int level,
+                         const ImageView<std::uint8_t>& grey,
+                         HostSeeds* seeds);
+  template <typename Model>
+  std::size_t PlantShare(const PlantView& view, const Share& share, HostSeeds* seeds);
+
+  const Options& options_;
+  MarkKernel mark_;
+  Coverage coverage_;
+  Candidates candidates_;
+};
+
+}  // namespace livemvs
