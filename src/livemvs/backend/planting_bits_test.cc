@@ -286,6 +286,11 @@ std::vector<Case> Cases() {
     c->range.box = Box{{-0.3, -0.3, -0.5}, {0.01, 0.005, 1.3}};
     c->options.max_seeds = 400;
   });
+  vary("a box in a corner, which hardly any ray meets", [](Case* c) {
+    c->range.box = Box{{0.4, 0.3, -0.5}, {0.6, 0.5, 1}};
+    c->options.max_seeds = 20;
+    c->options.levels = 1;
+  });
   vary("ramps, which cannot be matched", [](Case* c) {
     c->options.min_patch_stddev = 0;
     c->options.image_noise = 12;
@@ -404,7 +409,7 @@ TEST_P(PlantingBitsTest, GivesTheSeedsOfThePlainVersion) {
         {frames[0].camera, frames[0].cam_from_world}, &c.range, {}, {points.data(), 700}};
     backend->SetFrame(first.views());
     const Planted before = PlantOn(planting, 0, backend.get());
-    EXPECT_GT(before.seeds.size(), 100U);
+    EXPECT_GE(before.seeds.size(), std::min<std::size_t>(slots, 100));
     ExpectSame(PlainPlanting(c.options, planting, first.views(), {}).Plant(slots), before);
 
     backend->SetFrame(second.views());
@@ -419,7 +424,7 @@ TEST_P(PlantingBitsTest, GivesTheSeedsOfThePlainVersion) {
     planting = {{frames[1].camera, frames[1].cam_from_world}, &c.range, groups, points};
     const PlainPlanting plain(c.options, planting, second.views(), backend->Read(0, alive, 1));
     const Planted after = PlantOn(planting, alive, backend.get());
-    EXPECT_GT(after.seeds.size(), 30U);
+    EXPECT_FALSE(after.seeds.empty());
     ExpectSame(plain.Plant(slots - alive), after);
   }
 }
@@ -478,7 +483,7 @@ TEST(PlantRuleTest, RanksChooseWhatAWalkAlongTheRowsDoes) {
     const Planting planting = {{frame.camera, frame.cam_from_world}, &c.range, {}, points};
     const PlainPlanting plain(c.options, planting, levels.views(), {});
     const Planted want = plain.Plant(static_cast<std::size_t>(c.options.max_seeds));
-    EXPECT_GT(want.seeds.size(), 100U);
+    EXPECT_GE(static_cast<int>(want.seeds.size()), std::min(c.options.max_seeds, 100));
     ExpectSame(want, PlantByRank(c.options, planting, levels.views(), plain));
   }
 }
