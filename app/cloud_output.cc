@@ -8,6 +8,7 @@
 #include "livemvs/core/log.h"
 #include "livemvs/io/atomic_file.h"
 #include "livemvs/io/ply.h"
+#include "livemvs/map/finish_cloud.h"
 #include "livemvs/map/normals.h"
 
 namespace livemvs::app {
@@ -49,7 +50,13 @@ void AddResources(nlohmann::json* statistics) {
       1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
-void ExplainEmptyCloud(const ReconstructionStatistics& s) {
+namespace {
+
+void ExplainEmptyCloud(const ReconstructionStatistics& s, const FinishedCloud& finished) {
+  if (finished.outside > 0) {
+    LogWarning("no point is left: all lie outside of the box; check --box and its unit");
+    return;
+  }
   if (s.seeds_converged > 0) {
     LogWarning(
         "no point is left: too few of them lie on a surface with others; try --set "
@@ -68,6 +75,27 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s) {
     reason = "patches are not found where the poses say: check poses, convention and calibration";
   }
   LogWarning("no point converged; likely because: " + reason);
+}
+
+}  // namespace
+
+void FinishPoints(const Options& options,
+                  const SceneRange& range,
+                  const ReconstructionStatistics& reconstruction,
+                  PointCloud* cloud,
+                  nlohmann::json* statistics) {
+  const FinishedCloud finished = FinishCloud(options, range.box, cloud);
+  (*statistics)["points"] = cloud->size();
+  (*statistics)["removed"] = {{"superseded", finished.superseded},
+                              {"unsupported", finished.unsupported},
+                              {"outside", finished.outside}};
+  if (cloud->empty()) {
+    ExplainEmptyCloud(reconstruction, finished);
+  } else if (finished.outside > cloud->size()) {
+    LogWarning("more points lie just outside of the box (" + std::to_string(finished.outside) +
+               ", left out) than in it (" + std::to_string(cloud->size()) +
+               "); where it is to cut a table or wall off, --set box_margin=0 does not look there");
+  }
 }
 
 void WriteCloud(const std::filesystem::path& path, bool estimate_normals, PointCloud* cloud) {

@@ -12,13 +12,14 @@ namespace {
 
 SceneRange UncheckedRange(const MethodArguments& args, const Dataset& dataset) {
   const std::vector<PosedCamera> cameras = CamerasOf(dataset);
+  const double margin = MakeOptions(args).box_margin;
   SceneRange range;
   if (const std::optional<Box> box = BoxOf(args)) {
-    range = RangeOfBox(*box, cameras);
+    range = RangeOfBox(*box, margin, cameras);
   } else if (args.near > 0 && args.far > 0) {
     range.origin = "--near and --far";
   } else if (dataset.box()) {
-    range = RangeOfBox(*dataset.box(), cameras);
+    range = RangeOfBox(*dataset.box(), margin, cameras);
     range.origin = "the data set's box";
   } else {
     range = DeriveRange(cameras, dataset.sparse_points());

@@ -16,7 +16,6 @@
 #include "livemvs/io/dataset.h"
 #include "livemvs/io/prefetcher.h"
 #include "livemvs/io/seed_trace.h"
-#include "livemvs/map/finish_cloud.h"
 #include "livemvs/pipeline/reconstructor.h"
 #include "method_options.h"
 #include "output_check.h"
@@ -103,13 +102,8 @@ void WriteResults(const RunArguments& args,
                   Reconstructor* reconstructor,
                   nlohmann::json* statistics) {
   PointCloud cloud = reconstructor->TakePoints();
-  const FinishedCloud finished = FinishCloud(options, range.box, &cloud);
-  if (cloud.empty()) ExplainEmptyCloud(reconstructor->statistics());
+  FinishPoints(options, range, reconstructor->statistics(), &cloud, statistics);
   WriteCloud(args.output, !args.ray_normals && !Interrupted(), &cloud);
-  (*statistics)["points"] = cloud.size();
-  (*statistics)["removed"] = {{"superseded", finished.superseded},
-                              {"unsupported", finished.unsupported},
-                              {"outside", finished.outside}};
 }
 
 void Run(const RunArguments& args) {

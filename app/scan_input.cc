@@ -78,6 +78,7 @@ SceneRange RangeAbove(const ScanArguments& args, const Board& board) {
   range.origin = given ? "--box" : "the room above the board";
   // The box alone counts; these only keep the camera itself out.
   const double diagonal = (range.box->max - range.box->min).norm();
+  range.margin = MakeOptions(args.method).box_margin * diagonal;
   range.near = args.method.near > 0 ? args.method.near : 0.02 * diagonal;
   range.far = args.method.far > 0 ? args.method.far : 100 * diagonal;
   try {

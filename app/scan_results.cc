@@ -11,7 +11,6 @@
 #include "livemvs/core/log.h"
 #include "livemvs/io/calibration.h"
 #include "livemvs/io/tum.h"
-#include "livemvs/map/finish_cloud.h"
 #include "mesh_input.h"
 #include "mesh_output.h"
 #include "progress.h"
@@ -139,14 +138,9 @@ bool WriteScanResults(const fs::path& folder,
   };
   nlohmann::json statistics = StatisticsOf(args, settings, *result);
   attempt([&] {
-    const FinishedCloud finished =
-        FinishCloud(settings.method, settings.range.box, &result->points);
-    if (result->points.empty()) ExplainEmptyCloud(result->reconstruction);
+    FinishPoints(
+        settings.method, settings.range, result->reconstruction, &result->points, &statistics);
     WriteCloud(folder / "cloud.ply", true, &result->points);
-    statistics["points"] = result->points.size();
-    statistics["removed"] = {{"superseded", finished.superseded},
-                             {"unsupported", finished.unsupported},
-                             {"outside", finished.outside}};
     std::printf("%zu points from %zu frames\n", result->points.size(), result->frames.size());
     Print(folder / "cloud.ply");
   });

@@ -41,7 +41,7 @@ std::vector<Run> MakeRuns(const SequenceOptions& sequence, const Box& box) {
   for (const char* preset : {"paper", "default"}) {
     for (const int step : {1, kSkip}) {
       const std::vector<PosedCamera> cameras = EveryStep(sequence, step);
-      const SceneRange range = RangeOfBox(box, cameras);
+      const SceneRange range = RangeOfBox(box, 0, cameras);
       const Options options = ResolveSearch(cameras, range, OptionsFromPreset(preset));
       runs.push_back({std::string(preset) + " " + std::to_string(cameras.size()) + " frames",
                       step,

@@ -179,7 +179,7 @@ TEST_F(ScanProcess, TheSignalThatEndsFilmingDoesNotEndTheMeshButAnotherDoes) {
     for (int attempt = 0; attempt < attempts && !left_out; ++attempt) {
       fs::remove_all(scan_);
       Process process(ScanCommand({"--realtime"}));
-      ASSERT_TRUE(WaitForJournal(15, 10)) << process.text();
+      ASSERT_TRUE(WaitForJournal(40, 10)) << process.text();
       process.Kill(SIGINT);
       ASSERT_TRUE(process.WaitFor("mesh: ")) << process.text();
       if (twice) process.Kill(SIGINT);

@@ -280,6 +280,7 @@ std::vector<Case> Cases() {
     c->range.near = 0.2;
     c->range.far = 5;
     c->range.box = Box{{-0.2, -0.15, 0.8}, {0.25, 0.2, 1.3}};
+    c->range.margin = 0.01;
     c->options.coordinate = DepthCoordinate::kDepth;
   });
   vary("a box about the camera, which most rays leave early", [](Case* c) {

@@ -118,6 +118,7 @@ TEST_P(PlantingTest, IntervalsEndAtTheBox) {
   range.near = 0.2;
   range.far = 5;
   range.box = Box{{-0.2, -0.15, 0.8}, {0.25, 0.2, 1.3}};
+  range.margin = 0.02;
   options_.coordinate = DepthCoordinate::kDepth;
   const auto backend = BackendOf(4000);
   const std::size_t planted = PlantOn(range, {}, backend.get());
@@ -181,6 +182,35 @@ TEST_P(PlantingTest, NewPointsAreAddedToThoseKnown) {
   // Others in their place.
   backend->ForgetPoints();
   EXPECT_EQ(PlantOn(NearFar(), some(end), backend.get()), first);
+}
+
+TEST_P(PlantingTest, TheLastOfManyPointsCoverToo) {
+  // More than travel to a device at once; those before the last face away.
+  PointCloud points;
+  PointCloud away = PointsLeftOf(frame_.camera.width, 0);
+  for (Point& p : away) p.normal = -p.normal;
+  while (points.size() < 140'000) points.insert(points.end(), away.begin(), away.end());
+  const PointCloud left = PointsLeftOf(100, 0);
+  points.insert(points.end(), left.begin(), left.end());
+  const auto backend = BackendOf(20'000);
+  const std::size_t planted = PlantOn(NearFar(), points, backend.get());
+  EXPECT_EQ(planted, PlantOn(NearFar(), left, BackendOf(20'000).get()));
+  ASSERT_GT(planted, 300U);
+  for (const auto& pixel : Pixels(planted, backend.get())) EXPECT_GT(pixel.x(), 100);
+}
+
+TEST_P(PlantingTest, PicturesMayGrow) {
+  const auto backend = BackendOf(40'000);
+  const PosedFrame large = frame_;
+  scene_.camera.width /= 2;
+  scene_.camera.height /= 2;
+  frame_ = scene_.Render(Rigid3d{}, 4);
+  const std::size_t few = PlantOn(NearFar(), {}, backend.get());
+  ASSERT_GT(few, 100U);
+  frame_ = large;
+  const std::size_t many = PlantOn(NearFar(), {}, backend.get());
+  EXPECT_GT(many, 2 * few);
+  EXPECT_EQ(many, PlantOn(NearFar(), {}, BackendOf(40'000).get()));
 }
 
 TEST_P(PlantingTest, ThinsEvenly) {

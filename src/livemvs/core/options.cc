@@ -106,6 +106,7 @@ std::string GetOption(const Options& options, const std::string& name) {
 }
 
 void Options::Check() const {
+  Require(box_margin >= 0 && box_margin <= 1, "box_margin", box_margin, "0 ... 1");
   Require(max_seeds >= 1 && max_seeds <= 64'000'000, "max_seeds", max_seeds, "1 ... 64000000");
   Require(levels >= 1 && levels <= 6, "levels", levels, "1 ... 6");
   Require(plant_every >= 0 && plant_every <= 1000, "plant_every", plant_every, "0 ... 1000");
@@ -174,6 +175,7 @@ void Options::Check() const {
 
 Options PaperOptions() {
   Options o;
+  o.box_margin = 0;
   o.levels = 1;
   o.plant_every = 1;
   o.min_patch_stddev = 0;

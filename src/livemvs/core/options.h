@@ -59,6 +59,10 @@ struct Options {
   /// ... and on the coarser levels, where averaging leaves less noise.
   float min_coarse_stddev = 2;
 
+  /// How far beyond the scene's box surfaces are sought, so that points at its sides have
+  /// neighbours [diagonals of the box]; 0: not, as published.
+  float box_margin = 0.015F;
+
   // --- The prior, [VH11] Sec. 4.2
   // ---------------------------------------------------------------------
   float prior_a = 5;  ///< a_0
@@ -145,6 +149,7 @@ struct Options {
 template <typename AnyOptions, typename Visit>
 void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("max_seeds", o.max_seeds);
+  visit("box_margin", o.box_margin);
   visit("levels", o.levels);
   visit("plant_every", o.plant_every);
   visit("seed_spacing_px", o.seed_spacing_px);

@@ -102,6 +102,10 @@ void SceneRange::Check() const {
         "the box is empty or not finite; --box takes x0 y0 z0 x1 y1 z1 with "
         "x0 < x1, y0 < y1, z0 < z1");
   }
+  if (!(margin >= 0 && std::isfinite(margin))) {
+    throw std::invalid_argument("the box's margin " + std::to_string(margin) +
+                                " must be 0 or more");
+  }
   if (!(near > 0 && near < far && std::isfinite(far))) {
     throw std::invalid_argument("the depth range " + std::to_string(near) + " ... " +
                                 std::to_string(far) +
@@ -111,9 +115,8 @@ void SceneRange::Check() const {
 }
 
 std::optional<Box> SceneRange::SoughtBox() const {
-  constexpr double kMargin = 0.015;  // of the diagonal
   if (!box) return std::nullopt;
-  return box->Grown(kMargin * (box->max - box->min).norm());
+  return box->Grown(margin);
 }
 
 RangeBounds BoundsOf(const SceneRange& range) {
@@ -139,9 +142,10 @@ std::optional<std::pair<double, double>> SceneRange::Along(const Eigen::Vector3d
   return std::pair(lo, hi);
 }
 
-SceneRange RangeOfBox(const Box& box, const std::vector<PosedCamera>& cameras) {
+SceneRange RangeOfBox(const Box& box, double margin, const std::vector<PosedCamera>& cameras) {
   SceneRange range;
   range.box = box;
+  range.margin = margin * (box.max - box.min).norm();
   const Box sought = *range.SoughtBox();
   std::vector<double> nearest_depths, farthest_depths;
   for (const PosedCamera& c : cameras) {

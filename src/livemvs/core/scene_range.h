@@ -16,7 +16,8 @@ namespace livemvs {
 
 /// Where surfaces are wanted: in a box, or between two depths, or both. [scene]
 struct SceneRange {
-  std::optional<Box> box;  ///< World. FinishCloud() drops the points outside of it.
+  std::optional<Box> box;  ///< World.
+  double margin = 0;       ///< How far beyond the box surfaces are sought.
   double near = 0;         ///< Least planar depth.
   double far = 0;          ///< Largest planar depth.
   std::string origin;      ///< For people: where the range comes from.
@@ -24,12 +25,13 @@ struct SceneRange {
   /// @throws std::invalid_argument where the range is empty or not finite.
   void Check() const;
 
-  /// Where surfaces are sought: somewhat beyond the box, so that points at its sides have
-  /// neighbours and the rays to them do not end there.
+  /// Where surfaces are sought: beyond the box by the margin, so that points at its sides have
+  /// neighbours and the rays to them do not end there. What lies beyond is dropped at the end, by
+  /// FinishCloud().
   std::optional<Box> SoughtBox() const;
 
-  /// The stretch of a ray [near, far] in distances along the unit bearing, or nothing where it
-  /// misses.
+  /// The stretch of a ray [near, far] in distances along the unit bearing, in the sought box, or
+  /// nothing where it misses.
   /// @param center     Camera centre in the world.
   /// @param direction  Unit direction in the world.
   /// @param cosine     Of the angle between the ray and the optical axis.
@@ -74,7 +76,8 @@ LIVEMVS_DEVICE inline bool ClipRay(const RangeBounds& range,
 }
 
 /// The range of a box: depths between the nearest and the farthest corner from any camera.
-SceneRange RangeOfBox(const Box& box, const std::vector<PosedCamera>& cameras);
+/// @param margin  See SceneRange, in diagonals of the box.
+SceneRange RangeOfBox(const Box& box, double margin, const std::vector<PosedCamera>& cameras);
 
 /// A range from what is known before the first picture: of the sparse points, where there are
 /// enough seen by the cameras; else of the region that the cameras look at; else, for cameras that

@@ -74,6 +74,7 @@ TEST(SceneRangeTest, NearAndFarArePlanarDepths) {
 TEST(SceneRangeTest, RayThroughTheBoxByMarching) {
   SceneRange range = Range(1e-3, 100);
   range.box = Box{{-1, 0, 2}, {1, 0.5, 4}};
+  range.margin = 0.05;
   std::mt19937 random(1);
   std::normal_distribution<double> gauss;
   int hits = 0;
@@ -106,29 +107,28 @@ TEST(SceneRangeTest, RaysParallelToAFace) {
   range.box = Box{{-1, -1, 2}, {1, 1, 4}};
   const auto along = range.Along({0.5, 0.5, 0}, {0, 0, 1}, 1);
   ASSERT_TRUE(along);
-  EXPECT_DOUBLE_EQ(along->first, range.SoughtBox()->min.z());
-  EXPECT_DOUBLE_EQ(along->second, range.SoughtBox()->max.z());
+  EXPECT_DOUBLE_EQ(along->first, 2);
+  EXPECT_DOUBLE_EQ(along->second, 4);
   EXPECT_FALSE(range.Along({1.5, 0.5, 0}, {0, 0, 1}, 1));
   EXPECT_FALSE(range.Along({0, 0, 5}, {0, 0, 1}, 1)) << "the box lies behind";
   EXPECT_DOUBLE_EQ(range.Along({0, 0, 3}, {0, 0, 1}, 1)->first, 0.1) << "from inside: near";
 }
 
-TEST(SceneRangeTest, SeeksSomewhatBeyondTheBox) {
+TEST(SceneRangeTest, SeeksBeyondTheBoxByTheMargin) {
   SceneRange range = Range(0.1, 100);
+  range.margin = 0.25;
   EXPECT_FALSE(range.SoughtBox());
   range.box = Box{{-1, -1, 2}, {1, 1, 4}};
-  const Box sought = *range.SoughtBox();
-  const double margin = range.box->min.x() - sought.min.x();
-  EXPECT_GT(margin, 0.02);
-  EXPECT_LT(margin, 0.2);
-  EXPECT_TRUE(sought.min.isApprox((range.box->min.array() - margin).matrix()));
-  EXPECT_TRUE(sought.max.isApprox((range.box->max.array() + margin).matrix()));
+  EXPECT_EQ(range.SoughtBox()->min, Eigen::Vector3d(-1.25, -1.25, 1.75));
+  EXPECT_EQ(range.SoughtBox()->max, Eigen::Vector3d(1.25, 1.25, 4.25));
+  range.margin = -0.1;
+  EXPECT_THROW(range.Check(), std::invalid_argument);
 }
 
 TEST(RangeOfBoxTest, HoldsTheSoughtBoxFromAllCameras) {
   const Box box{{-0.2, -0.1, -0.2}, {0.2, 0.1, 0.2}};
   const auto cameras = Orbit(1.5, {0, 0, 0});
-  const SceneRange range = RangeOfBox(box, cameras);
+  const SceneRange range = RangeOfBox(box, 0.02, cameras);
   EXPECT_NO_THROW(range.Check());
   for (const PosedCamera& c : cameras) {
     for (int k = 0; k < 8; ++k) {
@@ -143,7 +143,7 @@ TEST(RangeOfBoxTest, HoldsTheSoughtBoxFromAllCameras) {
   }
   EXPECT_GT(range.near, 1);
   EXPECT_LT(range.far, 2);
-  EXPECT_THROW(RangeOfBox(Box{{-1, -1, -9}, {1, 1, -8}}, {{kCamera, Rigid3d{}}}), Error);
+  EXPECT_THROW(RangeOfBox(Box{{-1, -1, -9}, {1, 1, -8}}, 0, {{kCamera, Rigid3d{}}}), Error);
 }
 
 TEST(DeriveRangeTest, OrbitLooksAtItsTarget) {

@@ -9,7 +9,7 @@ FinishedCloud FinishCloud(const Options& options,
                           const std::optional<Box>& box,
                           PointCloud* cloud) {
   FinishedCloud result;
-  if (options.levels > 1) result.superseded = RemoveSuperseded(cloud);
+  if (options.levels > 1) result.superseded = RemoveSuperseded(box, cloud);
   if (options.regularise_px > 0) {
     result.unsupported =
         Regularise({.radius_px = options.regularise_px, .min_support = options.min_support}, cloud);

@@ -55,5 +55,26 @@ TEST(FinishCloudTest, NeighboursBeyondTheBoxCount) {
   EXPECT_EQ(cut.size(), 0);
 }
 
+TEST(FinishCloudTest, FinerPointsBeyondTheBoxDoNotReplaceThoseWithin) {
+  Options options;
+  options.levels = 3;
+  options.regularise_px = 0;
+  options.min_support = 0;
+  Point coarse, fine;
+  coarse.position = {-0.001F, 0, 0};
+  coarse.footprint = 0.02F;
+  fine.position = {0.005F, 0, 0};
+  fine.footprint = 0.005F;
+  PointCloud cloud = {coarse, fine};
+  const FinishedCloud finished = FinishCloud(options, Box{{-1, -1, -1}, {0, 1, 1}}, &cloud);
+  EXPECT_EQ(finished.superseded, 0);
+  EXPECT_EQ(finished.outside, 1);
+  ASSERT_EQ(cloud.size(), 1);
+  EXPECT_EQ(cloud[0].footprint, coarse.footprint);
+  // Without a box the finer one stands for it.
+  cloud = {coarse, fine};
+  EXPECT_EQ(FinishCloud(options, std::nullopt, &cloud).superseded, 1);
+}
+
 }  // namespace
 }  // namespace livemvs

@@ -133,7 +133,7 @@ TEST(RemoveSupersededTest, CoarsePointsGoWhereFinerOnesAre) {
   Point alike = At(0.105F, 0.105F, 0.001F);
   alike.footprint = 1.3F * kFootprint;  // another distance, the same level
   cloud.push_back(alike);
-  EXPECT_EQ(RemoveSuperseded(&cloud), 1U);
+  EXPECT_EQ(RemoveSuperseded(std::nullopt, &cloud), 1U);
   ASSERT_EQ(cloud.size(), fine + 2);
   EXPECT_EQ(cloud[fine].position.x(), 0.5F);
   EXPECT_EQ(cloud[fine + 1].footprint, 1.3F * kFootprint);
@@ -141,10 +141,10 @@ TEST(RemoveSupersededTest, CoarsePointsGoWhereFinerOnesAre) {
 
 TEST(RemoveSupersededTest, EmptyAndNotFiniteCloudsAreNoTrouble) {
   PointCloud cloud;
-  EXPECT_EQ(RemoveSuperseded(&cloud), 0U);
+  EXPECT_EQ(RemoveSuperseded(std::nullopt, &cloud), 0U);
   cloud.resize(2);
   cloud[0].position.x() = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(RemoveSuperseded(&cloud), 0U);
+  EXPECT_EQ(RemoveSuperseded(std::nullopt, &cloud), 0U);
   EXPECT_EQ(cloud.size(), 2U);
 }
 

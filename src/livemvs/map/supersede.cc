@@ -22,7 +22,10 @@ constexpr std::size_t kGrain = 1024;
 
 }  // namespace
 
-std::size_t RemoveSuperseded(PointCloud* cloud) {
+std::size_t RemoveSuperseded(const std::optional<Box>& box, PointCloud* cloud) {
+  const auto inside = [&](const Point& p) {
+    return !box || box->Contains(p.position.cast<double>());
+  };
   std::vector<Eigen::Vector3f> positions;
   std::vector<std::size_t> rows;
   float finest = std::numeric_limits<float>::infinity();
@@ -38,12 +41,15 @@ std::size_t RemoveSuperseded(PointCloud* cloud) {
   ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
     for (std::size_t i = first; i < last; ++i) {
-      const float footprint = (*cloud)[rows[i]].footprint;
+      const Point& coarse = (*cloud)[rows[i]];
+      const float footprint = coarse.footprint;
       if (!(footprint * kFiner > finest)) continue;
       index.Nearest(index.points()[i], kNeighbors, &neighbors);
       for (const PointIndex::Neighbor& n : neighbors) {
         if (n.distance2 > footprint * footprint) break;
-        if ((*cloud)[rows[n.index]].footprint < kFiner * footprint) superseded[rows[i]] = 1;
+        const Point& fine = (*cloud)[rows[n.index]];
+        if (!(fine.footprint < kFiner * footprint)) continue;
+        if (inside(fine) || !inside(coarse)) superseded[rows[i]] = 1;
       }
     }
   });

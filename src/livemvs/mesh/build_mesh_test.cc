@@ -134,6 +134,28 @@ TEST(BuildMesh, BridgesAGapThatCamerasLookInto) {
   EXPECT_TRUE(HasVertexNear(built.mesh, {0, 0, 0}, 0.002F));
 }
 
+TEST(BuildMesh, HolesThatCamerasSeeThroughStayOpen) {
+  // A thin plate over a table, and in it a hole that is not much wider than a coarse voxel.
+  constexpr double kHole = 0.012, kAbove = 0.05;
+  CloudMaker maker(0.0003);
+  for (const double x : {-0.3, -0.1, 0.1, 0.3}) maker.AddCamera({x, 0, 0.6}, {0, 0, 0});
+  for (int i = 0; i < 60000; ++i) {
+    const double u = maker.Uniform(-0.15, 0.15), v = maker.Uniform(-0.15, 0.15);
+    const auto frame = static_cast<std::int32_t>(i % 4);
+    const bool hole = std::hypot(u, v) < kHole;
+    if (!hole) maker.AddPoint({u, v, kAbove}, Eigen::Vector3d::UnitZ(), frame);
+    // The table, as it is seen through the hole.
+    const Eigen::Vector3d center = maker.cameras().at(frame).cam_from_world.Center();
+    const Eigen::Vector3d below =
+        center + (Eigen::Vector3d(u, v, kAbove) - center) * (center.z() / (center.z() - kAbove));
+    if (hole) maker.AddPoint(below, Eigen::Vector3d::UnitZ(), frame);
+  }
+  const BuiltMesh built = BuildMesh(maker.cloud(), maker.cameras(), {}, {});
+  ExpectSound(built);
+  EXPECT_TRUE(HasVertexNear(built.mesh, {0.05F, 0, 0.05F}, 0.002F));
+  EXPECT_FALSE(HasVertexNear(built.mesh, {0, 0, 0.05F}, 0.006F));
+}
+
 TEST(BuildMesh, KeepsPartsWithFewerPoints) {
   // Voxels follow the usual spacing of the points, which is a third of that on the smaller sphere.
   CloudMaker maker(0.0005);

@@ -157,17 +157,29 @@ bool Uniform(const LabelVolume& volume, std::size_t level, const Voxel& voxel, b
 
 /// Lets the next coarser level speak too, but for the voxels at its surface, which may be one of
 /// its voxels off: where points are sparse for this level's voxels, little else does.
+/// @param trust  Log-odds of its labels, by lambda.
 void TrustCoarser(const LabelVolume& volume, std::size_t l, double trust, Evidence* evidence) {
-  const LabelLevel& level = volume.levels[l];
-  const auto amount = static_cast<int>(std::lround(kCapacityScale * trust));
-  ParallelForRange(0, level.blocks.voxels(), 4096, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      const Voxel coarse = level.blocks.VoxelAt(static_cast<std::int64_t>(i)) / 2;
-      const bool solid = volume.Solid(l + 1, coarse);
-      if (!Uniform(volume, l + 1, coarse, solid)) continue;
-      const int sum = evidence->solid[i] + (solid ? amount : -amount);
-      evidence->solid[i] =
-          static_cast<std::int16_t>(std::clamp(sum, -kMostEvidence, kMostEvidence));
+  constexpr int kHalf = VoxelBlocks::kSide / 2, kCoarse = kHalf * kHalf * kHalf;
+  constexpr std::size_t kGrain = 256;
+  const VoxelBlocks& blocks = volume.levels[l].blocks;
+  const auto amount =
+      static_cast<int>(std::lround(std::min<double>(kCapacityScale * trust, 2 * kMostEvidence)));
+  ParallelForRange(0, blocks.blocks(), kGrain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b) {
+      for (int k = 0; k < kCoarse; ++k) {
+        const Voxel at(k % kHalf, k / kHalf % kHalf, k / (kHalf * kHalf));
+        const Voxel coarse = kHalf * blocks.Block(b) + at;
+        const bool solid = volume.Solid(l + 1, coarse);
+        if (!Uniform(volume, l + 1, coarse, solid)) continue;
+        for (int child = 0; child < 8; ++child) {
+          const Voxel place = 2 * at + Voxel(child & 1, child >> 1 & 1, child >> 2);
+          std::int16_t& sum =
+              evidence->solid[b * VoxelBlocks::kVoxels +
+                              static_cast<std::size_t>(VoxelBlocks::PlaceOf(place))];
+          sum = static_cast<std::int16_t>(
+              std::clamp(sum + (solid ? amount : -amount), -kMostEvidence, kMostEvidence));
+        }
+      }
     }
   });
 }
@@ -202,7 +214,7 @@ LabelVolume CutVolume(const SightLines& sights,
       AddBlocksAboutSurface(volume, l + 1, kSurfaceReach, options.whole_surface, &keys);
       level.blocks = VoxelBlocks(std::move(keys));
     }
-    // In the bands about it, the coarsest surface stands for what was seen nowhere.
+    // What was seen nowhere is solid in the coarsest cut; the others take it from there.
     MeshOptions of_level = options;
     if (l + 1 != volume.levels.size()) of_level.inside_prior = 0;
     Evidence evidence = GatherEvidence(sights.lines, level.frame, level.blocks, of_level, watch);

@@ -46,8 +46,9 @@ class Reconstructor {
   ~Reconstructor();
 
   /// Runs Algorithm 1 on one frame and returns the points that converged in it; valid until the
-  /// next call. Where the GPU fails and Options::backend is kAuto, the CPU goes on: the points
-  /// stay, the seeds are planted anew.
+  /// next call. Where the range has a box with a margin, some lie in the margin (SoughtBox());
+  /// FinishCloud() needs those, and drops them. Where the GPU fails and Options::backend is kAuto,
+  /// the CPU goes on: the points stay, the seeds are planted anew.
   /// @throws std::invalid_argument where the picture's size is not its camera's.
   /// @throws DeviceError where the GPU fails otherwise; the points stay.
   std::span<const Point> AddFrame(const PosedFrame& frame);

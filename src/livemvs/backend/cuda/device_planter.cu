@@ -107,12 +107,11 @@ void DevicePlanter::Reserve(const ImageView<std::uint8_t>& finest) {
       {0, 0, finest.width, finest.height}, options_.seed_spacing_px, 0, 0};
   const std::size_t cells = MakeCandidateGrid(everywhere).size();
   if (cells <= candidates_.size()) return;
-  candidates_.Reserve(cells);
   ranks_.Reserve(cells);
   offered_.Reserve(cells);
   gives_seed_.Reserve(cells);
   chosen_.Reserve(cells);
-  const int n = static_cast<int>(candidates_.size());
+  const int n = static_cast<int>(ranks_.size());
   std::size_t rank = 0, offer = 0, choose = 0;
   Check(Rank(nullptr, &rank, {}, n, ranks_.get(), stream_), "size the ranking of candidates");
   Check(Select(nullptr, &offer, {}, n, offered_.get(), chosen_count_.get(), stream_),
@@ -127,6 +126,7 @@ void DevicePlanter::Reserve(const ImageView<std::uint8_t>& finest) {
                stream_),
         "size the selection of newborn seeds");
   scratch_.Reserve(std::max({rank, offer, choose, std::size_t{1}}));
+  candidates_.Reserve(cells);  // last: what it holds tells that there is room for all
 }
 
 void DevicePlanter::MarkKnown(const Planting& planting,

@@ -4,19 +4,13 @@
 #include <cub/device/device_select.cuh>
 
 #include "livemvs/backend/cuda/device_seeds.h"
+#include "livemvs/backend/cuda/launch.h"
 #include "livemvs/backend/seed_access.h"
 
 namespace livemvs::cuda {
 namespace {
 
-constexpr int kThreads = 256;
 constexpr std::size_t kPatchPadding = 16;  // words are read whole
-
-unsigned BlocksFor(std::size_t threads) {
-  return static_cast<unsigned>((threads + kThreads - 1) / kThreads);
-}
-
-__device__ std::size_t ThreadNumber() { return std::size_t{blockIdx.x} * kThreads + threadIdx.x; }
 
 struct HasEnded {
   const Fate* fate;

@@ -1,16 +1,10 @@
 #include "livemvs/backend/cuda/plant_kernels.h"
+
+#include "livemvs/backend/cuda/launch.h"
 #include "livemvs/backend/seed_access.h"
 
 namespace livemvs::cuda {
 namespace {
-
-constexpr int kThreads = 256;
-
-unsigned BlocksFor(std::size_t threads) {
-  return static_cast<unsigned>((threads + kThreads - 1) / kThreads);
-}
-
-__device__ std::size_t ThreadNumber() { return std::size_t{blockIdx.x} * kThreads + threadIdx.x; }
 
 template <typename Model>
 __global__ void MarkPoints(CoverView view,
