@@ -45,12 +45,14 @@ done
 
 # Starts the program in its namespace, and waits for its address.
 serve() {
+  : >"$folder/out" # what an earlier one printed is none of this one's
   ip netns exec "$here" "$livemvs" view "$sample/mesh.ply.gz" --no-browser --port 7451 "$@" >"$folder/out" 2>&1 &
   program=$!
   for _ in $(seq 300); do
     if grep -q '^viewer: http' "$folder/out"; then break; fi
     sleep 0.1
   done
+  grep -q '^viewer: http' "$folder/out" || fail "it does not serve"
   url="$(sed -n 's/^viewer: \(http.*192\.0\.2\.1.*\)/\1/p' "$folder/out" | head -n 1)"
 }
 end() {

@@ -10,13 +10,14 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/exchange/glb.h"
+#include "temporary.h"
 
 namespace livemvs {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path Temporary(const std::string& name) { return fs::path(testing::TempDir()) / name; }
+using testing_support::Temporary;
 
 std::string BytesOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
