@@ -162,7 +162,7 @@ TEST(BuildMesh, KeepsPartsWithFewerPoints) {
   const Eigen::Vector3d center(0.2, 0, 0);
   AddCamerasAround(0.6, &maker);
   maker.AddSphere(Eigen::Vector3d::Zero(), kRadius, 40000);
-  maker.AddSphere(center, 0.3 * kRadius, 40000 * 0.09 / 9);
+  maker.AddSphere(center, 0.3 * kRadius, 400);
   const auto share_near = [&](const TriangleMesh& mesh) {
     constexpr int kRings = 12;
     int near = 0, all = 0;
