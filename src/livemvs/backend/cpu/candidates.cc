@@ -51,9 +51,9 @@ class RowFinder {
   // rectangle.
   std::vector<std::uint8_t> PhasesOfRow(int row) const {
     std::vector<std::uint8_t> phases(grey_.width);
-    const int first = (rule_.rect.x0 + rule_.spacing - 1) / rule_.spacing;
-    for (int i = first; i * rule_.spacing < rule_.rect.x1; ++i) {
-      phases[i * rule_.spacing] = static_cast<std::uint8_t>(1 + PhaseOf(i, row));
+    const CandidateGrid grid = MakeCandidateGrid(rule_);
+    for (int i = 0; i < grid.columns; ++i) {
+      phases[grid.X(i)] = static_cast<std::uint8_t>(1 + PhaseOf(grid.column + i, row));
     }
     return phases;
   }
