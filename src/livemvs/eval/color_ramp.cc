@@ -40,7 +40,8 @@ Rgb RampColor(double t) {
                                           {58, 168, 116},
                                           {156, 200, 72},
                                           {250, 222, 64}}};
-  const double at = std::clamp(t, 0.0, 1.0) * (kStops.size() - 1);
+  // In this order, NaN gives 0.
+  const double at = (t > 0 ? std::min(t, 1.0) : 0.0) * (kStops.size() - 1);
   const auto below = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
   Rgb color;
   for (std::size_t c = 0; c < 3; ++c) {

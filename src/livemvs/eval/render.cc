@@ -87,6 +87,8 @@ std::vector<Eigen::Vector3f> PointColors(const PointCloud& cloud,
     } else if (color == RenderColor::kNormal) {
       const Eigen::Vector3f n = rotation * cloud[i].normal;
       colors.push_back(0.5f * Eigen::Vector3f(1 + n.x(), 1 - n.y(), 1 - n.z()));
+    } else if (std::isnan(scalar.values[i])) {
+      colors.push_back(LinearFromSrgb(kGrey));
     } else {
       colors.push_back(LinearFromSrgb(RampColor(scalar.At(scalar.values[i]))));
     }

@@ -270,6 +270,7 @@ TEST(ColorRamp, SrgbRoundTrips) {
   }
   EXPECT_EQ(RampColor(-1), RampColor(0));
   EXPECT_EQ(RampColor(2), RampColor(1));
+  EXPECT_EQ(RampColor(std::numeric_limits<double>::quiet_NaN()), RampColor(0));
 }
 
 }  // namespace
