@@ -71,7 +71,7 @@ TEST_P(CandidatesTest, AreThePixelsOfTheDefinition) {
   candidates.Find(p.grey.view(), p.marks.view(), rule);
   Found found;
   PhaseCounts count{};
-  candidates.ForEach([&](int x, int y, int phase) {
+  candidates.ForEach(0, kPhases - 1, [&](int x, int y, int phase) {
     found.insert({x, y});
     ++count[phase];
   });
@@ -89,7 +89,8 @@ TEST_P(CandidatesTest, AreTheSameOneByOne) {
   candidates.Find(p.grey.view(), p.marks.view(), rule);
   using Places = std::vector<std::tuple<int, int, int>>;
   Places rows, one_by_one;
-  candidates.ForEach([&](int x, int y, int phase) { rows.emplace_back(x, y, phase); });
+  candidates.ForEach(
+      0, kPhases - 1, [&](int x, int y, int phase) { rows.emplace_back(x, y, phase); });
   const CandidateGrid grid = MakeCandidateGrid(rule);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const int x = grid.X(i), y = grid.Y(i);
@@ -98,6 +99,23 @@ TEST_P(CandidatesTest, AreTheSameOneByOne) {
   }
   EXPECT_GT(rows.size(), 20U);
   EXPECT_EQ(one_by_one, rows) << "in the same order, too";
+}
+
+TEST_P(CandidatesTest, AreVisitedByTheirPhases) {
+  const auto [spacing, cover_radius] = GetParam();
+  const TexturedPicture p = RandomPicture(157, 113);
+  Candidates candidates;
+  candidates.Find(p.grey.view(), p.marks.view(), {{5, 4, 150, 109}, spacing, cover_radius, 6.05F});
+  using Places = std::vector<std::tuple<int, int, int>>;
+  for (const auto& [first, last] : {std::pair{0, 0}, {0, 2}, {3, 9}, {15, 15}, {7, 6}}) {
+    Places expected, found;
+    candidates.ForEach(0, kPhases - 1, [&](int x, int y, int phase) {
+      if (phase >= first && phase <= last) expected.emplace_back(x, y, phase);
+    });
+    candidates.ForEach(
+        first, last, [&](int x, int y, int phase) { found.emplace_back(x, y, phase); });
+    EXPECT_EQ(found, expected) << first << " to " << last;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(SpacingsAndRadii,
@@ -128,7 +146,7 @@ TEST(Candidates, NothingInAnEmptyRectangle) {
   Image<std::uint8_t> grey(8, 8), marks(8, 8);
   Candidates candidates;
   candidates.Find(grey.view(), marks.view(), {{3, 3, 3, 5}, 1, 1, 0});
-  candidates.ForEach([](int, int, int) { FAIL(); });
+  candidates.ForEach(0, kPhases - 1, [](int, int, int) { FAIL(); });
   EXPECT_EQ(MakeCandidateGrid({{3, 3, 3, 5}, 1, 1, 0}).size(), 0U);
   EXPECT_EQ(MakeCandidateGrid({{5, 5, 8, 8}, 8, 1, 0}).size(), 0U) << "between two of the grid";
 }

@@ -34,8 +34,10 @@ struct CandidateRule {
 /// Candidates come in phases: any number of the first ones is spread evenly over the picture.
 inline constexpr int kPhases = 16;
 
-/// The phase of a candidate, whose place is counted in spacings: its turn in a cell of 4 x 4
-/// (Bayer).
+/// Phases repeat every so many rows and columns of candidates.
+inline constexpr int kCell = 4;
+
+/// The phase of a candidate, whose place is counted in spacings: its turn in its cell (Bayer).
 LIVEMVS_DEVICE constexpr int PhaseOf(int column, int row) {
   const int differ = column ^ row;
   return (differ & 1) << 3 | (row & 1) << 2 | (differ & 2) | (row & 2) >> 1;
@@ -106,6 +108,7 @@ inline CandidateGrid MakeCandidateGrid(const CandidateRule& rule) {
 /// What a round offers of the candidates that are left: those of the first phases, and of the next
 /// one an even share.
 struct Share {
+  int first;                ///< Phases before this one were offered before.
   int whole;                ///< Phases before this one are offered whole; of this one ...
   std::uint64_t some, all;  ///< ... `some` of `all` candidates.
   std::size_t size;         ///< Candidates that are offered, in all.
@@ -133,11 +136,8 @@ LIVEMVS_DEVICE bool SeedAt(
     const Options& options, const PlantView& view, int x, int y, NewSeed* seed) {
   // Intervals shorter than this fraction of the depth hold nothing worth finding.
   constexpr double kShortestInterval = 0.01;
-  float patch[kPatchPixels];
-  for (int k = 0; k < kPatchPixels; ++k) {
-    patch[k] = view.grey(x + k % kPatchSize - kPatchRadius, y + k / kPatchSize - kPatchRadius);
-  }
-  if (!CanMatch(options, view.noise2, patch)) return false;
+  const std::uint8_t* center = &view.grey(x, y);
+  if (!CanMatch(options, view.noise2, center, view.grey.stride)) return false;
   double ray_x = 0, ray_y = 0;
   if (!UnprojectPixel<Model>(view.camera, x, y, &ray_x, &ray_y)) return false;
   const double norm = std::sqrt(ray_x * ray_x + ray_y * ray_y + 1);
@@ -155,7 +155,7 @@ LIVEMVS_DEVICE bool SeedAt(
                     static_cast<float>(depth ? farthest : 1 / farthest)};
   seed->bearing_x = static_cast<float>(ray_x);
   seed->bearing_y = static_cast<float>(ray_y);
-  seed->patch = &view.grey(x, y);
+  seed->patch = center;
   seed->stride = view.grey.stride;
   return true;
 }

@@ -1,6 +1,7 @@
 #include "livemvs/backend/planting.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "livemvs/core/camera.h"
@@ -80,8 +81,11 @@ CandidateRule MakeCandidateRule(const Options& options, const Planting& planting
 }
 
 Share TakeShare(std::size_t wanted, PhaseCounts* left) {
-  Share share{0, 0, 1, 0};
-  for (std::size_t& count : *left) {
+  const auto any_left = std::find_if(left->begin(), left->end(), [](auto n) { return n > 0; });
+  const int first = static_cast<int>(any_left - left->begin());
+  Share share{first, first, 0, 1, 0};
+  for (auto it = any_left; it != left->end(); ++it) {
+    std::size_t& count = *it;
     if (count > wanted - share.size) {
       share.some = wanted - share.size;
       share.all = count;

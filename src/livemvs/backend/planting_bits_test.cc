@@ -173,11 +173,8 @@ class PlainPlanting {
 
   bool SeedOf(int level, const Candidate& c, NewSeed* seed) const {
     const ImageView<std::uint8_t>& grey = pyramid_[level];
-    float patch[kPatchPixels];
-    for (int k = 0; k < kPatchPixels; ++k) {
-      patch[k] = grey(c.x + k % kPatchSize - kPatchRadius, c.y + k / kPatchSize - kPatchRadius);
-    }
-    if (!CanMatch(options_, NoiseVariance(options_, level), patch)) return false;
+    const float noise2 = NoiseVariance(options_, level);
+    if (!CanMatch(options_, noise2, &grey(c.x, c.y), grey.stride)) return false;
     const auto ray = projectors_[level].Unproject({c.x, c.y});
     if (!ray) return false;
     const Rigid3d& pose = planting_.frame.cam_from_world;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
 #include "livemvs/core/options.h"
 #include "livemvs/core/platform.h"
 #include "livemvs/core/seed.h"
@@ -12,6 +15,9 @@ struct TextureSums {
   T along2;        ///< Of the derivative along the line, squared. [grey levels²/px²]
   T along_across;  ///< Of the derivatives along and across it.
 };
+
+/// Added to the grey levels' squared deviations where their sum divides: flat patches give no NaN.
+inline constexpr float kLeastSpread = 1e-3F;
 
 /// Sums over the patch of products of its derivatives along and across the unit direction (ex, ey),
 /// less the share that a change of gain and offset would explain: NCC does not see those, so that a
@@ -46,7 +52,7 @@ LIVEMVS_HD inline TextureSums<T> Texture(const T* pixel, const T& ex, const T& e
     gg += g * g;
     gh += g * h;
   }
-  const T gain = gt / (tt + T(1e-3F));
+  const T gain = gt / (tt + T(kLeastSpread));
   const T scale = T(static_cast<float>(kPatchPixels)) * mean;
   return {(gg - gain * gt) * scale, (gh - gain * ht) * scale};
 }
@@ -84,16 +90,54 @@ LIVEMVS_HD inline float NoiseVariance(const Options& options, int level) {
   return noise * noise;
 }
 
+/// The largest Texture().along2 of a patch over all directions: that along its principal axis,
+/// which nothing crosses at a slant. Sums are of whole numbers, which float holds exactly.
+/// @param center  The patch's middle pixel, in a picture whose rows lie `stride` apart.
+LIVEMVS_HD inline float LargestTexture(const std::uint8_t* center, std::ptrdiff_t stride) {
+  constexpr int kInnerRadius = kPatchRadius - 1;
+  constexpr int kInner = (kPatchSize - 2) * (kPatchSize - 2);
+  // Sums over the inner pixels: t of grey levels, x and y of twice the derivatives.
+  int t = 0, x = 0, y = 0, tt = 0, tx = 0, ty = 0, xx = 0, xy = 0, yy = 0;
+  for (int row = -kInnerRadius; row <= kInnerRadius; ++row) {
+    for (int column = -kInnerRadius; column <= kInnerRadius; ++column) {
+      const std::uint8_t* at = center + row * stride + column;
+      const int g = at[0], gx = at[1] - at[-1], gy = at[stride] - at[-stride];
+      t += g;
+      x += gx;
+      y += gy;
+      tt += g * g;
+      tx += g * gx;
+      ty += g * gy;
+      xx += gx * gx;
+      xy += gx * gy;
+      yy += gy * gy;
+    }
+  }
+  // kInner times the sum of products of two quantities' deviations.
+  const auto covariance = [](int product, int a, int b) {
+    return static_cast<float>(kInner * product - a * b);
+  };
+  const float gain = 1 / (covariance(tt, t, t) + kInner * kLeastSpread);
+  const float ctx = covariance(tx, t, x), cty = covariance(ty, t, y);
+  const float along_x = covariance(xx, x, x) - gain * ctx * ctx;
+  const float along_y = covariance(yy, y, y) - gain * cty * cty;
+  const float across = covariance(xy, x, y) - gain * ctx * cty;
+  const float half_difference = 0.5F * (along_x - along_y);
+  const float largest =
+      0.5F * (along_x + along_y) + Sqrt(half_difference * half_difference + across * across);
+  // Derivatives were taken twice; the mean square over the inner pixels stands for all of them.
+  return largest * (0.25F * kPatchPixels / (kInner * kInner));
+}
+
 /// Whether matches of a patch may be precise enough along a line of some direction.
-/// @param pixel   kPatchPixels grey levels, row-major.
-LIVEMVS_HD inline bool CanMatch(const Options& options, float noise2, const float* pixel) {
-  const TextureSums<float> x = Texture(pixel, 1.0F, 0.0F), y = Texture(pixel, 0.0F, 1.0F);
-  // Along the texture's principal axis nothing crosses at a slant: the larger eigenvalue.
-  const float half_difference = 0.5F * (x.along2 - y.along2);
-  const float largest = 0.5F * (x.along2 + y.along2) +
-                        Sqrt(half_difference * half_difference + x.along_across * x.along_across);
+/// @param center, stride  See LargestTexture().
+LIVEMVS_HD inline bool CanMatch(const Options& options,
+                                float noise2,
+                                const std::uint8_t* center,
+                                std::ptrdiff_t stride) {
   const float most = options.max_measurement_sigma_px * options.max_measurement_sigma_px;
-  return PredictErrors<float>(options, noise2, {largest, 0.0F}).tau2_px <= most;
+  const TextureSums<float> texture = {LargestTexture(center, stride), 0.0F};
+  return PredictErrors<float>(options, noise2, texture).tau2_px <= most;
 }
 
 }  // namespace livemvs

@@ -1,6 +1,7 @@
 #include "livemvs/backend/cpu/candidates.h"
 
 #include <array>
+#include <cstring>
 #include <mutex>
 #include <vector>
 
@@ -11,9 +12,7 @@ namespace {
 
 constexpr std::size_t kRowsPerTask = 32;
 
-constexpr int kCell = 4;  // phases repeat every so many rows of candidates
-
-// Finds the candidates of consecutive rows, as CandidateAt() does one by one. Loops run over whole
+// Finds the candidates of rows of the grid, as CandidateAt() does one by one. Loops run over whole
 // rows, one quantity each, so that the compiler makes vectors of them.
 class RowFinder {
  public:
@@ -30,13 +29,9 @@ class RowFinder {
     for (int row = 0; row < kCell; ++row) phases_[row] = PhasesOfRow(row);
   }
 
-  // Writes 1 + phase of each pixel of the row, or 0. Rows come one after the other.
+  // Writes 1 + phase of each pixel of row y of the picture, or 0. Rows come one after the other.
   void Find(int y, std::uint8_t* __restrict out) {
     MoveColumnsTo(y);
-    if (y % rule_.spacing != 0) {
-      std::memset(out, 0, static_cast<std::size_t>(grey_.width));
-      return;
-    }
     FindFlat();
     if (rule_.cover_radius >= 0) AddMarked(y);
     const std::uint8_t* __restrict flat = flat_.data();
@@ -60,8 +55,8 @@ class RowFinder {
 
   // Sums over columns of kPatchSize pixels about row y.
   void MoveColumnsTo(int y) {
-    if (y == row_ + 1) {
-      AddRow(y + kPatchRadius, y - kPatchRadius - 1);
+    if (y - row_ <= kPatchRadius) {
+      for (int v = row_ + 1; v <= y; ++v) AddRow(v + kPatchRadius, v - kPatchRadius - 1);
     } else {
       std::fill(sum_.begin(), sum_.end(), 0.0F);
       std::fill(squares_.begin(), squares_.end(), 0.0F);
@@ -124,7 +119,7 @@ class RowFinder {
   ImageView<std::uint8_t> grey_, marks_;
   CandidateRule rule_;
   std::array<std::vector<std::uint8_t>, kCell> phases_;
-  int row_ = -2;
+  int row_ = -kPatchSize;  // the columns are about it; none yet
   std::vector<float> sum_, squares_;
   std::vector<std::uint8_t> flat_;    // 1 where nothing is planted
   std::vector<std::uint8_t> marked_;  // with a margin of the radius on both sides
@@ -138,16 +133,17 @@ void Candidates::Find(const ImageView<std::uint8_t>& grey,
   if (phase_.width() != grey.width || phase_.height() != grey.height) {
     phase_ = Image<std::uint8_t>(grey.width, grey.height);
   }
-  rect_ = rule.rect;
+  grid_ = MakeCandidateGrid(rule);
   count_.fill(0);
-  if (rect_.y0 >= rect_.y1 || rect_.x0 >= rect_.x1) return;
+  if (grid_.columns == 0) return;
   std::mutex mutex;
-  ParallelForRange(rect_.y0, rect_.y1, kRowsPerTask, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, grid_.rows, kRowsPerTask, [&](std::size_t first, std::size_t last) {
     RowFinder finder(grey, marks, rule);
     PhaseCounts count{};
-    for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y) {
-      finder.Find(y, phase_.Row(y));
-      ForEachInRow(y, [&](int, int, int phase) { ++count[phase]; });
+    for (std::size_t i = first; i < last; ++i) {
+      const int row = grid_.row + static_cast<int>(i);
+      finder.Find(row * grid_.spacing, phase_.Row(row * grid_.spacing));
+      ForEachInRow(row, 0, kPhases - 1, [&](int, int, int phase) { ++count[phase]; });
     }
     const std::scoped_lock lock(mutex);
     for (int p = 0; p < kPhases; ++p) count_[p] += count[p];

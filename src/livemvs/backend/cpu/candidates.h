@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 
 #include "livemvs/backend/planting.h"
 #include "livemvs/core/image.h"
@@ -21,31 +20,40 @@ class Candidates {
   /// How many were found of each phase.
   const PhaseCounts& count() const { return count_; }
 
-  /// Calls f(x, y, phase) for each, row by row; f may take it.
+  /// Calls f(x, y, phase) for each of the phases [first, last], row by row; f may take it.
   template <typename F>
-  void ForEach(const F& f) const {
-    for (int y = rect_.y0; y < rect_.y1; ++y) ForEachInRow(y, f);
+  void ForEach(int first, int last, const F& f) const {
+    for (int row = grid_.row; row < grid_.row + grid_.rows; ++row)
+      ForEachInRow(row, first, last, f);
   }
 
   /// The pixel is a candidate no longer.
   void Take(int x, int y) { phase_(x, y) = 0; }
 
  private:
+  // Of a row of the grid. The phases repeat every kCell columns: those that are not asked for are
+  // not looked at.
   template <typename F>
-  void ForEachInRow(int y, const F& f) const {
-    constexpr int kStep = 8;  // rows may be read beyond their end
-    const std::uint8_t* row = phase_.Row(y);
-    for (int x = rect_.x0; x < rect_.x1; x += kStep) {
-      std::uint64_t some = 0;
-      std::memcpy(&some, row + x, sizeof some);
-      if (some == 0) continue;
-      for (int i = x; i < std::min(x + kStep, rect_.x1); ++i) {
-        if (row[i] > 0) f(i, y, row[i] - 1);
+  void ForEachInRow(int row, int first, int last, const F& f) const {
+    int columns[kCell], phases[kCell], wanted = 0;
+    for (int i = 0; i < std::min(kCell, grid_.columns); ++i) {
+      const int phase = PhaseOf(grid_.column + i, row);
+      if (phase < first || phase > last) continue;
+      columns[wanted] = grid_.column + i;
+      phases[wanted++] = phase;
+    }
+    if (wanted == 0) return;
+    const int y = row * grid_.spacing, end = (grid_.column + grid_.columns) * grid_.spacing;
+    const std::uint8_t* pixels = phase_.Row(y);
+    for (int cell = 0; cell < end; cell += kCell * grid_.spacing) {
+      for (int i = 0; i < wanted; ++i) {
+        const int x = cell + columns[i] * grid_.spacing;
+        if (x < end && pixels[x] > 0) f(x, y, phases[i]);
       }
     }
   }
 
-  PixelRect rect_{};
+  CandidateGrid grid_{};
   Image<std::uint8_t> phase_;  // 1 + phase, or 0
   PhaseCounts count_{};
 };

@@ -50,17 +50,36 @@ std::size_t Planter::PlantLevel(const Planting& planting,
 
 template <typename Model>
 std::size_t Planter::PlantShare(const PlantView& view, const Share& share, HostSeeds* seeds) {
-  const Posterior<float> prior = PriorOf(options_);
+  constexpr std::size_t kOffersAtOnce = 8192;
   std::size_t rank = 0, planted = 0;
-  candidates_.ForEach([&](int x, int y, int phase) {
-    if (phase > share.whole || seeds->room() == 0) return;
+  candidates_.ForEach(share.first, share.whole, [&](int x, int y, int phase) {
     if (!share.Offers(phase, phase == share.whole ? rank++ : 0)) return;
     candidates_.Take(x, y);
-    NewSeed seed;
-    if (!SeedAt<Model>(options_, view, x, y, &seed)) return;
-    seeds->Append(seed, prior);
-    ++planted;
+    offers_.push_back({x, y, false, {}});
+    if (offers_.size() == kOffersAtOnce) planted += PlantOffers<Model>(view, seeds);
   });
+  return planted + PlantOffers<Model>(view, seeds);
+}
+
+// Those that find no room any more are lost: the level is done.
+template <typename Model>
+std::size_t Planter::PlantOffers(const PlantView& view, HostSeeds* seeds) {
+  constexpr std::size_t kOffersPerTask = 256;
+  if (seeds->room() == 0) offers_.clear();
+  ParallelForRange(0, offers_.size(), kOffersPerTask, [&](std::size_t first, std::size_t last) {
+    for (Offer& o : std::span(offers_).subspan(first, last - first)) {
+      o.gives_seed = SeedAt<Model>(options_, view, o.x, o.y, &o.seed);
+    }
+  });
+  const Posterior<float> prior = PriorOf(options_);
+  std::size_t planted = 0;
+  for (const Offer& o : offers_) {
+    if (!o.gives_seed) continue;
+    if (seeds->room() == 0) break;
+    seeds->Append(o.seed, prior);
+    ++planted;
+  }
+  offers_.clear();
   return planted;
 }
 

@@ -35,11 +35,21 @@ class Planter {
                          HostSeeds* seeds);
   template <typename Model>
   std::size_t PlantShare(const PlantView& view, const Share& share, HostSeeds* seeds);
+  template <typename Model>
+  std::size_t PlantOffers(const PlantView& view, HostSeeds* seeds);
 
   const Options& options_;
   MarkKernel mark_;
   Coverage coverage_;
   Candidates candidates_;
+
+  // A pixel that is offered, and the seed it becomes, if any.
+  struct Offer {
+    int x, y;
+    bool gives_seed;
+    NewSeed seed;
+  };
+  std::vector<Offer> offers_;  // some thousand at a time
 };
 
 }  // namespace livemvs

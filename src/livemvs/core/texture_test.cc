@@ -1,0 +1,79 @@
+#include "livemvs/core/texture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+namespace livemvs {
+namespace {
+
+constexpr std::ptrdiff_t kStride = 7;  // the patch lies in a wider picture
+using Picture = std::array<std::uint8_t, kStride * kPatchSize>;
+
+const std::uint8_t* CenterOf(const Picture& picture) {
+  return picture.data() + kPatchRadius * kStride + kPatchRadius;
+}
+
+// Of the directions of a half turn, by the definition.
+double LargestOfAllDirections(const Picture& picture) {
+  std::array<double, kPatchPixels> patch{};
+  for (int k = 0; k < kPatchPixels; ++k) {
+    patch[k] = picture[k / kPatchSize * kStride + k % kPatchSize];
+  }
+  double largest = 0;
+  constexpr int kDirections = 3600;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = M_PI * i / kDirections;
+    const auto texture = Texture<double>(patch.data(), std::cos(angle), std::sin(angle));
+    largest = std::max(largest, texture.along2);
+  }
+  return largest;
+}
+
+TEST(Texture, LargestIsThatOfTheBestDirection) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int trial = 0; trial < 100; ++trial) {
+    Picture picture{};
+    // From faint noise to full contrast, about an edge of some direction.
+    const double contrast = std::pow(2.0, 8 * uniform(random)) - 1, angle = M_PI * uniform(random);
+    for (int i = 0; i < static_cast<int>(picture.size()); ++i) {
+      const double across = std::cos(angle) * static_cast<double>(i % kStride - kPatchRadius) +
+                            std::sin(angle) * static_cast<double>(i / kStride - kPatchRadius);
+      const double grey = contrast * (0.5 + 0.3 * std::tanh(across) + 0.2 * uniform(random));
+      picture[i] = static_cast<std::uint8_t>(grey);
+    }
+    const double expected = LargestOfAllDirections(picture);
+    EXPECT_NEAR(LargestTexture(CenterOf(picture), kStride), expected, 2e-5 * expected + 1e-4);
+  }
+}
+
+TEST(Texture, FlatPatchesAndRampsHaveNone) {
+  Picture picture{};
+  picture.fill(255);
+  EXPECT_EQ(LargestTexture(CenterOf(picture), kStride), 0);
+  // Gain and offset explain a ramp of brightness wherever it is moved.
+  for (int i = 0; i < static_cast<int>(picture.size()); ++i) {
+    picture[i] = static_cast<std::uint8_t>(20 + 30 * (i % kStride));
+  }
+  EXPECT_NEAR(LargestTexture(CenterOf(picture), kStride), 0, 0.05);
+}
+
+TEST(Texture, PatchesMatchWhereTheNoiseIsLessThanTheirTexture) {
+  Options options;
+  Picture picture{};
+  for (int i = 0; i < static_cast<int>(picture.size()); ++i) {
+    picture[i] = i % kStride < kPatchRadius ? 100 : 110;
+  }
+  EXPECT_TRUE(CanMatch(options, 1, CenterOf(picture), kStride));
+  EXPECT_FALSE(CanMatch(options, 400, CenterOf(picture), kStride));
+  picture.fill(100);
+  EXPECT_FALSE(CanMatch(options, 1, CenterOf(picture), kStride));
+}
+
+}  // namespace
+}  // namespace livemvs
