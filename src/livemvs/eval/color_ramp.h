@@ -12,7 +12,8 @@ Eigen::Vector3f LinearFromSrgb(Rgb color);
 /// 8-bit sRGB of linear light; clamped.
 Rgb SrgbFromLinear(const Eigen::Vector3f& light);
 
-/// A ramp from dark blue over green to yellow, even in lightness, for t in [0, 1]; clamped, NaN as 0.
+/// A ramp from dark blue over green to yellow, even in lightness, for t in [0, 1]; clamped, NaN as
+/// 0.
 Rgb RampColor(double t);
 
 }  // namespace livemvs
