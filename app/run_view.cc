@@ -35,9 +35,7 @@ bool RunView::Show(const PosedFrame& frame,
   counts.seeds = static_cast<std::int64_t>(reconstructor.live_seeds());
   counts.points = static_cast<std::int64_t>(reconstructor.points().size());
   view_->feed().AddFrame(frame, converged, counts, &reconstructor.pool());
-  const auto reached = Clock::now();
-  view_->WaitWhilePaused(Interrupted);
-  start_ += Clock::now() - reached;  // the recording stood still, too
+  StandWhilePaused();
   return !view_->finish_asked();
 }
 
@@ -62,11 +60,21 @@ void RunView::Close(std::int64_t frames, std::int64_t points, const std::excepti
 // Waits until the frame's time has come.
 void RunView::Pace(double timestamp) {
   if (!first_time_) first_time_ = timestamp;
-  const auto due = start_ + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double>((timestamp - *first_time_) / speed_));
-  while (Clock::now() < due && !Interrupted()) {
-    std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));
+  const auto offset = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>((timestamp - *first_time_) / speed_));
+  while (Clock::now() < start_ + offset && !Interrupted()) {
+    const auto next_look = Clock::now() + std::chrono::milliseconds(50);
+    std::this_thread::sleep_until(std::min(start_ + offset, next_look));
+    StandWhilePaused();
   }
+}
+
+// Waits while the page says pause, and the recording stands still, too.
+void RunView::StandWhilePaused() {
+  if (!view_) return;
+  const auto reached = Clock::now();
+  view_->WaitWhilePaused(Interrupted);
+  start_ += Clock::now() - reached;
 }
 
 }  // namespace livemvs::app

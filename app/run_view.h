@@ -41,6 +41,7 @@ class RunView {
  private:
   using Clock = std::chrono::steady_clock;
   void Pace(double timestamp);
+  void StandWhilePaused();
 
   double speed_;
   Clock::time_point start_ = Clock::now();
