@@ -62,7 +62,8 @@ void RunView::Pace(double timestamp) {
   if (!first_time_) first_time_ = timestamp;
   const auto offset = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>((timestamp - *first_time_) / speed_));
-  while (Clock::now() < start_ + offset && !Interrupted()) {
+  const auto wanted = [&] { return !Interrupted() && !(view_ && view_->finish_asked()); };
+  while (Clock::now() < start_ + offset && wanted()) {
     const auto next_look = Clock::now() + std::chrono::milliseconds(50);
     std::this_thread::sleep_until(std::min(start_ + offset, next_look));
     StandWhilePaused();

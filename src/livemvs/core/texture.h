@@ -91,11 +91,12 @@ LIVEMVS_HD inline float NoiseVariance(const Options& options, int level) {
 }
 
 /// The largest Texture().along2 of a patch over all directions: that along its principal axis,
-/// which nothing crosses at a slant. Sums are of whole numbers, which float holds exactly.
+/// which nothing crosses at a slant. Sums are of whole numbers.
 /// @param center  The patch's middle pixel, in a picture whose rows lie `stride` apart.
 LIVEMVS_HD inline float LargestTexture(const std::uint8_t* center, std::ptrdiff_t stride) {
   constexpr int kInnerRadius = kPatchRadius - 1;
   constexpr int kInner = (kPatchSize - 2) * (kPatchSize - 2);
+  static_assert(kInner * kInner * 255 * 255 < 1 << 24, "float holds the sums' products exactly");
   // Sums over the inner pixels: t of grey levels, x and y of twice the derivatives.
   int t = 0, x = 0, y = 0, tt = 0, tx = 0, ty = 0, xx = 0, xy = 0, yy = 0;
   for (int row = -kInnerRadius; row <= kInnerRadius; ++row) {

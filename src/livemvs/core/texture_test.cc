@@ -61,6 +61,10 @@ TEST(Texture, FlatPatchesAndRampsHaveNone) {
     picture[i] = static_cast<std::uint8_t>(20 + 30 * (i % kStride));
   }
   EXPECT_NEAR(LargestTexture(CenterOf(picture), kStride), 0, 0.05);
+  for (int i = 0; i < static_cast<int>(picture.size()); ++i) {
+    picture[i] = static_cast<std::uint8_t>(std::lround(20 * std::pow(1.4, i % kStride)));
+  }
+  EXPECT_NEAR(LargestTexture(CenterOf(picture), kStride), 0, 5);  // rounded grey levels
 }
 
 TEST(Texture, PatchesMatchWhereTheNoiseIsLessThanTheirTexture) {

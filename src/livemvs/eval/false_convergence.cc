@@ -113,18 +113,6 @@ void Count(const SeedRecord& seed,
   if (std::isfinite(verdict.error)) counts->errors.push_back(verdict.error);
 }
 
-using Histogram = std::array<std::size_t, 256>;
-
-Histogram HistogramOf(std::span<const LabelledView> views) {
-  Histogram pixels{};
-  for (const LabelledView& view : views) {
-    for (int y = 0; y < view.labels.height(); ++y) {
-      for (int x = 0; x < view.labels.width(); ++x) ++pixels[view.labels(x, y)];
-    }
-  }
-  return pixels;
-}
-
 double Ratio(std::size_t part, std::size_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
@@ -143,8 +131,6 @@ void FalseConvergenceOptions::Check() const {
     throw std::invalid_argument("tolerance: must be > 0 and finite");
   }
 }
-
-double ConvergenceCounts::FalseRateOfPixels() const { return Ratio(falsely_converged, pixels); }
 
 double ConvergenceCounts::FalseRate() const { return Ratio(falsely_converged, planted); }
 
@@ -167,13 +153,6 @@ FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
   });
   FalseConvergence result;
   result.views = views.size();
-  const Histogram pixels = HistogramOf(views);
-  for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
-    for (std::size_t labels = 0; labels < pixels.size(); ++labels) {
-      const bool holds = kLabelClasses[k].Holds(static_cast<std::uint8_t>(labels));
-      if (holds) result.classes[k].pixels += pixels[labels];
-    }
-  }
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     const auto place = places.find(seeds[i].birth_frame);
     if (place == places.end()) {
@@ -203,25 +182,21 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
                   100 * options.tolerance);
   table += "beside            of the false ones: at the depth of another surface in the patch\n";
   table += "phantoms          the other false ones\n\n";
-  table += Format("%-23s%10s%8s%10s%7s%7s%9s%9s%9s%10s   error [%% of depth]\n",
+  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s   error [%% of depth]\n",
                   "",
                   "",
                   "",
                   "",
                   "",
-                  "",
-                  "false of",
                   "false of",
                   "phantoms",
                   "false of");
-  table += Format("%-23s%10s%8s%10s%7s%7s%9s%9s%9s%10s%7s%7s%7s\n",
-                  "label",
+  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%7s%7s%7s\n",
                   "pixels",
                   "planted",
                   "converged",
                   "false",
                   "beside",
-                  "pixels",
                   "planted",
                   "of pl.",
                   "converged",
@@ -230,14 +205,12 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
                   "99%");
   for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
     const ConvergenceCounts& c = result.classes[k];
-    table += Format("%-23s%10zu%8zu%10zu%7zu%7zu%8.3f%%%8.2f%%%8.2f%%%9.2f%%",
+    table += Format("%-23s%8zu%10zu%7zu%7zu%8.2f%%%8.2f%%%9.2f%%",
                     kLabelClasses[k].name,
-                    c.pixels,
                     c.planted,
                     c.converged,
                     c.falsely_converged,
                     c.beside,
-                    100 * c.FalseRateOfPixels(),
                     100 * c.FalseRate(),
                     100 * c.PhantomRate(),
                     100 * c.FalseShare());
@@ -259,12 +232,10 @@ std::string FalseConvergenceJson(const FalseConvergence& result,
   json["seeds_not_judged"] = result.not_judged;
   for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
     const ConvergenceCounts& c = result.classes[k];
-    nlohmann::ordered_json row{{"pixels", c.pixels},
-                               {"planted", c.planted},
+    nlohmann::ordered_json row{{"planted", c.planted},
                                {"converged", c.converged},
                                {"false", c.falsely_converged},
                                {"beside", c.beside},
-                               {"false_of_pixels", c.FalseRateOfPixels()},
                                {"false_of_planted", c.FalseRate()},
                                {"phantoms_of_planted", c.PhantomRate()},
                                {"false_of_converged", c.FalseShare()}};

@@ -35,7 +35,6 @@ struct FalseConvergenceOptions {
 
 /// What became of the seeds of some pixels.
 struct ConvergenceCounts {
-  std::size_t pixels = 0;  ///< Of all views, with a seed or without.
   std::size_t planted = 0;
   std::size_t converged = 0;
   std::size_t falsely_converged = 0;
@@ -44,9 +43,6 @@ struct ConvergenceCounts {
   std::size_t beside = 0;
   std::vector<float> errors;  ///< |depth - truth| / truth of the converged ones, sorted.
 
-  /// falsely_converged / pixels; 0 where there are none. Seeds that are not planted where nothing
-  /// can be found keep it low, but leave FalseRate() to those that an edge in the patch misleads.
-  double FalseRateOfPixels() const;
   /// falsely_converged / planted; 0 where none was planted.
   double FalseRate() const;
   /// (falsely_converged - beside) / planted; 0 where none was planted.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <stdexcept>
 
 #include "livemvs/eval/color_ramp.h"
@@ -54,14 +56,15 @@ Scalar ScalarOf(const PointCloud& cloud, RenderColor color, const Eigen::Vector3
   Scalar scalar;
   const Eigen::Vector3f axis = up.cast<float>();
   for (const Point& p : cloud) {
-    scalar.values.push_back(color == RenderColor::kSigma         ? p.sigma
-                            : color == RenderColor::kInlierRatio ? p.inlier_ratio
-                                                                 : p.position.dot(axis));
+    const float value = color == RenderColor::kSigma         ? p.sigma
+                        : color == RenderColor::kInlierRatio ? p.inlier_ratio
+                                                             : p.position.dot(axis);
+    const bool known = color != RenderColor::kSigma || value > 0;
+    scalar.values.push_back(known ? value : std::numeric_limits<float>::quiet_NaN());
   }
   std::vector<float> finite;
-  for (float v : scalar.values) {
-    if (std::isfinite(v) && (color != RenderColor::kSigma || v > 0)) finite.push_back(v);
-  }
+  std::ranges::copy_if(
+      scalar.values, std::back_inserter(finite), [](float v) { return std::isfinite(v); });
   scalar.lo = Quantile(finite, 0.02);
   scalar.hi = Quantile(finite, 0.98);
   scalar.logarithmic = color == RenderColor::kSigma && scalar.lo > 0;

@@ -174,6 +174,21 @@ TEST(CloudRenderer, WhatIsNearerHides) {
   EXPECT_LT(middle[0], 90);
 }
 
+TEST(CloudRenderer, WhatIsNotKnownIsGrey) {
+  PointCloud cloud = SquareCloud(0, {200, 40, 40});
+  for (const float sigma : {std::numeric_limits<float>::quiet_NaN(), 0.0F}) {
+    for (Point& p : cloud) p.sigma = p.position.x() < 0 ? sigma : 0.001F + 0.1F * p.position.x();
+    CloudRenderOptions options = Plain();
+    options.color = RenderColor::kSigma;
+    const RgbImage image =
+        CloudRenderer(cloud, options).Draw(FitView(cloud, {0, 0, 1}, FromAbove()));
+    const auto spread = [](const Rgb& c) { return std::ranges::max(c) - std::ranges::min(c); };
+    EXPECT_LE(spread(image(80, 80)), 8) << sigma;
+    EXPECT_GT(image(80, 80)[0], 60) << sigma;
+    EXPECT_GT(spread(image(120, 80)), 40) << sigma;
+  }
+}
+
 TEST(CloudRenderer, IsDeterministicAndTakesAllColors) {
   PointCloud cloud = SquareCloud(0, {90, 90, 90}, 30);
   SplitMix64 random(9);

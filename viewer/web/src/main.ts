@@ -233,7 +233,7 @@ function update(): void {
     lastDial = now;
     updateDial();
     if (splats.mode !== "rgb") showRamp(splats.mode, splats.updateRange(), unit);
-    statistics.publish({ store, stage, splats, connection, state, inset, dial, triangles });
+    statistics.publish({ store, stage, splats, connection, state, live, inset, dial, triangles });
   }
 }
 

@@ -2,7 +2,7 @@
 
 import type { Connection } from "./connection";
 import type { Dial } from "./dial";
-import { describe, type RunState } from "./hud";
+import { describe, type Live, type RunState } from "./hud";
 import type { Inset } from "./inset";
 import type { Splats } from "./splats";
 import type { Stage } from "./stage";
@@ -64,12 +64,14 @@ export class Statistics {
     splats: Splats;
     connection: Connection;
     state: RunState;
+    live: Live | null;
     inset: Inset;
     dial: Dial;
     triangles: number;
   }): void {
     window.__stats = {
       points: of.store.visible,
+      frames: of.live?.frames ?? 0,
       triangles: of.triangles,
       records: this.records,
       malformed: this.malformed,

@@ -52,6 +52,7 @@ template <typename Model>
 std::size_t Planter::PlantShare(const PlantView& view, const Share& share, HostSeeds* seeds) {
   constexpr std::size_t kOffersAtOnce = 8192;
   std::size_t rank = 0, planted = 0;
+  offers_.clear();  // of a planting that failed
   candidates_.ForEach(share.first, share.whole, [&](int x, int y, int phase) {
     if (!share.Offers(phase, phase == share.whole ? rank++ : 0)) return;
     candidates_.Take(x, y);

@@ -28,6 +28,13 @@ class Planter {
   void ForgetPoints() { coverage_.Forget(); }
 
  private:
+  // A pixel that is offered, and the seed it becomes, if any.
+  struct Offer {
+    int x, y;
+    bool gives_seed;
+    NewSeed seed;
+  };
+
   void MarkKnown(const Planting& planting, const SeedColumns& seeds);
   std::size_t PlantLevel(const Planting& planting,
                          int level,
@@ -42,13 +49,6 @@ class Planter {
   MarkKernel mark_;
   Coverage coverage_;
   Candidates candidates_;
-
-  // A pixel that is offered, and the seed it becomes, if any.
-  struct Offer {
-    int x, y;
-    bool gives_seed;
-    NewSeed seed;
-  };
   std::vector<Offer> offers_;  // some thousand at a time
 };
 
