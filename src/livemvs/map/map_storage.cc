@@ -119,38 +119,35 @@ void MapBlock::Clear(PointArena* arena) {
   *this = MapBlock{.key = key};
 }
 
-std::size_t BlockTable::Slot(std::uint64_t key) const {
-  std::uint64_t h = key * 0x9E3779B97F4A7C15U;
-  h ^= h >> 32;
-  return static_cast<std::size_t>(h) & (entries_.size() - 1);
-}
-
-std::uint32_t BlockTable::Find(std::uint64_t key) const {
+std::uint32_t BlockTable::Search(std::uint64_t key) const {
   if (entries_.empty()) return kNone;
-  for (std::size_t i = Slot(key);; i = (i + 1) & (entries_.size() - 1)) {
-    if (entries_[i].block == kNone || entries_[i].key == key) return entries_[i].block;
-  }
+  const std::size_t mask = entries_.size() - 1;
+  std::size_t i = Hash(key) & mask;
+  while (entries_[i].block != kNone && entries_[i].key != key) i = (i + 1) & mask;
+  return entries_[i].block;
 }
 
 void BlockTable::Insert(std::uint64_t key, std::uint32_t block) {
   if (2 * (used_ + 1) > entries_.size()) Grow();
-  std::size_t i = Slot(key);
-  while (entries_[i].block != kNone) i = (i + 1) & (entries_.size() - 1);
-  entries_[i] = {key, block};
+  Place({key, block});
   ++used_;
+  recent_[Hash(key) % kRecent] = {key, block};
 }
 
-void BlockTable::Clear() {
-  entries_.clear();
-  used_ = 0;
+void BlockTable::Place(const Entry& entry) {
+  const std::size_t mask = entries_.size() - 1;
+  std::size_t i = Hash(entry.key) & mask;
+  while (entries_[i].block != kNone) i = (i + 1) & mask;
+  entries_[i] = entry;
 }
+
+void BlockTable::Clear() { *this = {}; }
 
 void BlockTable::Grow() {
   std::vector<Entry> old(std::max<std::size_t>(64, 2 * entries_.size()));
   old.swap(entries_);
-  used_ = 0;
   for (const Entry& entry : old) {
-    if (entry.block != kNone) Insert(entry.key, entry.block);
+    if (entry.block != kNone) Place(entry);
   }
 }
 

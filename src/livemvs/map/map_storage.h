@@ -109,27 +109,39 @@ struct MapBlock {
   void Clear(PointArena* arena);
 };
 
-/// From keys to numbers of blocks: open addressing, at most half full.
+/// From keys to numbers of blocks: open addressing, at most half full. What was last looked for, as
+/// a rule near what comes next, is kept apart from the large table. Not thread-safe.
 class BlockTable {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  std::uint32_t Find(std::uint64_t key) const;
+  std::uint32_t Find(std::uint64_t key) const {
+    Entry& recent = recent_[Hash(key) % kRecent];
+    if (recent.key != key) recent = {key, Search(key)};
+    return recent.block;
+  }
   /// The key must not be there yet.
   void Insert(std::uint64_t key, std::uint32_t block);
   void Clear();
   std::size_t bytes() const { return entries_.size() * sizeof(Entry); }
 
  private:
+  static constexpr std::size_t kRecent = 1024;
   struct Entry {
-    std::uint64_t key;
+    std::uint64_t key = ~std::uint64_t{0};  // of no block
     std::uint32_t block = kNone;
   };
-  std::size_t Slot(std::uint64_t key) const;
+  static std::size_t Hash(std::uint64_t key) {
+    key *= 0x9E3779B97F4A7C15U;
+    return static_cast<std::size_t>(key ^ (key >> 32));
+  }
+  std::uint32_t Search(std::uint64_t key) const;
+  void Place(const Entry& entry);
   void Grow();
 
   std::vector<Entry> entries_;
   std::size_t used_ = 0;
+  mutable std::array<Entry, kRecent> recent_;
 };
 
 }  // namespace livemvs

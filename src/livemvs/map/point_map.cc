@@ -1,6 +1,7 @@
 #include "livemvs/map/point_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -43,7 +44,7 @@ std::uint64_t KeyOf(const PointMap::Cell& cell) {
 }
 
 bool Opposed(const StoredPoint& a, const StoredPoint& b) {
-  if (a.normal == b.normal) return false;
+  if (a.normal[0] == b.normal[0] && a.normal[1] == b.normal[1]) return false;
   return DecodeNormal(a.normal).dot(DecodeNormal(b.normal)) < kOpposed;
 }
 
@@ -121,23 +122,15 @@ bool PointMap::CellOf(const Eigen::Vector3f& position, int level, Cell* cell) co
 }
 
 const MapBlock* PointMap::FindBlock(const Cell& cell) const {
-  const std::uint64_t key = KeyOf(cell);
-  if (key != last_key_) {
-    const std::uint32_t found = table_.Find(key);
-    if (found == BlockTable::kNone) return nullptr;
-    last_key_ = key;
-    last_block_ = found;
-  }
-  return &blocks_[last_block_];
+  const std::uint32_t found = table_.Find(KeyOf(cell));
+  return found != BlockTable::kNone ? &blocks_[found] : nullptr;
 }
 
 MapBlock* PointMap::BlockFor(const Cell& cell) {
   if (const MapBlock* block = FindBlock(cell)) return const_cast<MapBlock*>(block);
   const std::uint64_t key = KeyOf(cell);
-  last_key_ = key;
-  last_block_ = static_cast<std::uint32_t>(blocks_.size());
   blocks_.push_back({.key = key});
-  table_.Insert(key, last_block_);
+  table_.Insert(key, static_cast<std::uint32_t>(blocks_.size() - 1));
   return &blocks_.back();
 }
 
@@ -153,11 +146,16 @@ void PointMap::VisitOctant(const Cell& cell, const Eigen::Vector3f& position, F&
   const Eigen::Vector3f inside = position / Width(cell.level) - cell.at.cast<float>();
   const Eigen::Vector3i side(
       (inside.x() < 0.5F) ? -1 : 1, (inside.y() < 0.5F) ? -1 : 1, (inside.z() < 0.5F) ? -1 : 1);
+  // All are fetched from memory at once, before any is looked at.
+  std::array<StoredPoint*, 7> occupants;
+  std::size_t count = 0;
   for (int corner = 1; corner < 8; ++corner) {
     const Eigen::Vector3i step(
         corner & 1 ? side.x() : 0, corner & 2 ? side.y() : 0, corner & 4 ? side.z() : 0);
-    if (StoredPoint* occupant = OccupantOf({cell.level, cell.at + step})) f(occupant);
+    occupants[count] = OccupantOf({cell.level, cell.at + step});
+    if (occupants[count] != nullptr) __builtin_prefetch(occupants[count++]);
   }
+  for (std::size_t i = 0; i < count; ++i) f(occupants[i]);
 }
 
 // The occupants of the cells that the point's ray passes within its uncertainty.

@@ -144,8 +144,6 @@ class PointMap {
   std::size_t level_points_[kLevels] = {};
   std::size_t size_ = 0;
   std::uint32_t next_id_ = 0;
-  mutable std::uint64_t last_key_ = ~std::uint64_t{0};  // of the block found last
-  mutable std::uint32_t last_block_ = 0;
 };
 
 }  // namespace livemvs

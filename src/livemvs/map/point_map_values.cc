@@ -135,7 +135,6 @@ PointCloud PointMap::LevelOfDetail(float width) const {
 void PointMap::Coarsen() {
   ++coarsest_floor_;
   arena_.BeThrifty();
-  last_key_ = ~std::uint64_t{0};
   const std::size_t old_blocks = blocks_.size();
   std::vector<StoredPoint> moving;
   for (std::size_t b = 0; b < old_blocks; ++b) {
@@ -157,7 +156,6 @@ void PointMap::Coarsen() {
     table_.Insert(blocks_[b].key, static_cast<std::uint32_t>(b));
   }
   arena_after_coarsening_ = arena_.bytes();
-  last_key_ = ~std::uint64_t{0};
 }
 
 }  // namespace livemvs
