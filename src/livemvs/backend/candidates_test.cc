@@ -107,7 +107,8 @@ TEST_P(CandidatesTest, AreVisitedByTheirPhases) {
   Candidates candidates;
   candidates.Find(p.grey.view(), p.marks.view(), {{5, 4, 150, 109}, spacing, cover_radius, 6.05F});
   using Places = std::vector<std::tuple<int, int, int>>;
-  for (const auto& [first, last] : {std::pair{0, 0}, {0, 2}, {3, 9}, {15, 15}, {7, 6}}) {
+  for (const auto& phases : {std::pair{0, 0}, {0, 2}, {3, 9}, {15, 15}, {7, 6}}) {
+    const int first = phases.first, last = phases.second;
     Places expected, found;
     candidates.ForEach(0, kPhases - 1, [&](int x, int y, int phase) {
       if (phase >= first && phase <= last) expected.emplace_back(x, y, phase);
