@@ -1,6 +1,10 @@
-# Sets LIVEMVS_HAS_CUDA, and enables the language where it is ON.
+# Sets LIVEMVS_HAS_CUDA, and enables the language where it is ON. LIVEMVS_EMULATES_CUDA: the sources are compiled as C++,
+# against tests/emulated_cuda.
 set(LIVEMVS_HAS_CUDA OFF)
-if(NOT LIVEMVS_CUDA STREQUAL "OFF")
+set(LIVEMVS_EMULATES_CUDA OFF)
+if(LIVEMVS_CUDA STREQUAL "EMULATED")
+  set(LIVEMVS_EMULATES_CUDA ON)
+elseif(NOT LIVEMVS_CUDA STREQUAL "OFF")
   find_program(LIVEMVS_NVCC nvcc HINTS "$ENV{CUDA_HOME}/bin" PATHS /usr/local/cuda/bin)
   mark_as_advanced(LIVEMVS_NVCC)
   if(LIVEMVS_NVCC)
@@ -16,6 +20,8 @@ if(NOT LIVEMVS_CUDA STREQUAL "OFF")
 endif()
 if(LIVEMVS_HAS_CUDA)
   message(STATUS "CUDA backend: built with ${LIVEMVS_NVCC} for ${CMAKE_CUDA_ARCHITECTURES}")
+elseif(LIVEMVS_EMULATES_CUDA)
+  message(STATUS "CUDA backend: built for a GPU that is emulated, for tests")
 else()
   message(STATUS "CUDA backend: not built")
 endif()

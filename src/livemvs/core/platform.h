@@ -19,6 +19,11 @@
 #define LIVEMVS_DEVICE
 #endif
 
+/// Where code is compiled for a device, or for one that tests/emulated_cuda takes the place of.
+#if defined(__CUDA_ARCH__) || defined(LIVEMVS_EMULATED_CUDA)
+#define LIVEMVS_ON_DEVICE
+#endif
+
 namespace livemvs {
 
 // Per-seed mathematics is written once, for a number type T that is float, double, or a vector with

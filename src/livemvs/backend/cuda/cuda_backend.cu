@@ -100,7 +100,6 @@ class CudaBackend final : public Backend {
     LaunchUpdate({common, pyramid_.on_device(), ChooseWarp(groups, common), totals_.get()},
                  model,
                  stream_.get());
-    Check(cudaGetLastError(), "update seeds");
     Copy(totals_.get(), totals_on_host_.get(), 1, stream_);
     seeds_.SelectEnded();
     stream_.Wait("update seeds");

@@ -11,9 +11,9 @@
 namespace livemvs::cuda {
 
 /// @throws DeviceError with what was being done, and CUDA's reason, where it failed.
-inline void Check(cudaError_t status, const std::string& doing) {
+inline void Check(cudaError_t status, const char* doing) {
   if (status == cudaSuccess) return;
-  throw DeviceError("GPU: " + doing + ": " + cudaGetErrorString(status));
+  throw DeviceError(std::string("GPU: ") + doing + ": " + cudaGetErrorString(status));
 }
 
 /// The CUDA stream in which all work of a backend is done, one thing after the other.
@@ -27,7 +27,7 @@ class Stream {
   cudaStream_t get() const { return stream_; }
 
   /// Waits until all that was begun is done.
-  void Wait(const std::string& doing) const { Check(cudaStreamSynchronize(stream_), doing); }
+  void Wait(const char* doing) const { Check(cudaStreamSynchronize(stream_), doing); }
 
  private:
   cudaStream_t stream_ = nullptr;

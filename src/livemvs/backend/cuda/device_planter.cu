@@ -159,7 +159,6 @@ void DevicePlanter::MarkKnown(const Planting& planting,
                      model,
                      stream_.get());
   }
-  Check(cudaGetLastError(), "mark what is known");
 }
 
 PhaseCounts DevicePlanter::FindCandidates(const ImageView<std::uint8_t>& grey,
@@ -169,7 +168,6 @@ PhaseCounts DevicePlanter::FindCandidates(const ImageView<std::uint8_t>& grey,
   Check(cudaMemsetAsync(counts_.get(), 0, kPhases * sizeof(std::uint32_t), stream_.get()),
         "clear counts");
   LaunchFindCandidates(grey, marks, rule, grid, candidates_.get(), counts_.get(), stream_.get());
-  Check(cudaGetLastError(), "find candidates");
   Copy(counts_.get(), counts_on_host_.get(), kPhases, stream_);
   stream_.Wait("find candidates");
   PhaseCounts counts;
@@ -194,7 +192,6 @@ std::size_t DevicePlanter::PlantLevel(const Planting& planting,
     arguments.cells = offered_.get();
     arguments.count = share.size;
     LaunchTestCells(arguments, model, candidates_.get(), gives_seed_.get(), stream_.get());
-    Check(cudaGetLastError(), "test candidates");
     arguments.cells = chosen_.get();
     arguments.count = std::min(SelectChosen(share.size), free);
     if (arguments.count > 0) {
@@ -204,7 +201,6 @@ std::size_t DevicePlanter::PlantLevel(const Planting& planting,
                        seeds->Extend(arguments.count),
                        PriorOf(options_),
                        stream_.get());
-      Check(cudaGetLastError(), "start seeds");
     }
     return arguments.count;
   });

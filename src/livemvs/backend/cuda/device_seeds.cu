@@ -161,9 +161,14 @@ std::span<const EndedSeed> DeviceSeeds::TakeEnded() {
   if (n == 0) return {};
   ended_.Reserve(n);
   ended_on_host_.Reserve(n);
-  GatherEnded<<<BlocksFor(n), kThreads, 0, stream_->get()>>>(
-      columns_, selected_.get(), n, ended_.get());
-  Check(cudaGetLastError(), "gather ended seeds");
+  Launch("gather ended seeds",
+         GatherEnded,
+         BlocksFor(n),
+         stream_->get(),
+         columns_,
+         selected_.get(),
+         n,
+         ended_.get());
   Copy(ended_.get(), ended_on_host_.get(), n, *stream_);
   stream_->Wait("gather ended seeds");
   removed_ += n;
@@ -176,11 +181,22 @@ void DeviceSeeds::Compact() {
   Select(IsKept{columns_.fate});
   if (kept > 0) {
     const SeedColumns to = spare_.View();
-    MoveSeeds<<<BlocksFor(kept), kThreads, 0, stream_->get()>>>(
-        columns_, selected_.get(), kept, to);
-    MovePatches<<<BlocksFor((kept * kPatchPixels + 3) / 4), kThreads, 0, stream_->get()>>>(
-        columns_.patch, selected_.get(), kept, reinterpret_cast<std::uint32_t*>(to.patch));
-    Check(cudaGetLastError(), "close the gaps between seeds");
+    Launch("close the gaps between seeds",
+           MoveSeeds,
+           BlocksFor(kept),
+           stream_->get(),
+           columns_,
+           selected_.get(),
+           kept,
+           to);
+    Launch("close the gaps between patches",
+           MovePatches,
+           BlocksFor((kept * kPatchPixels + 3) / 4),
+           stream_->get(),
+           columns_.patch,
+           selected_.get(),
+           kept,
+           reinterpret_cast<std::uint32_t*>(to.patch));
   }
   storage_.swap(spare_);
   columns_ = storage_.View();
@@ -199,9 +215,15 @@ std::vector<SeedState> DeviceSeeds::Read(std::size_t begin, std::size_t end, std
   stream_->Wait("finish before seeds are read");
   ended_.Reserve(n);
   ended_on_host_.Reserve(n);
-  GatherStates<<<BlocksFor(n), kThreads, 0, stream_->get()>>>(
-      columns_, begin, step, n, ended_.get());
-  Check(cudaGetLastError(), "read seeds");
+  Launch("read seeds",
+         GatherStates,
+         BlocksFor(n),
+         stream_->get(),
+         columns_,
+         begin,
+         step,
+         n,
+         ended_.get());
   Copy(ended_.get(), ended_on_host_.get(), n, *stream_);
   stream_->Wait("read seeds");
   seeds.reserve(n);

@@ -74,8 +74,15 @@ void LaunchMarkPoints(const CoverView& view,
                       CameraModel model,
                       cudaStream_t stream) {
   VisitModel(model, [&](auto m) {
-    MarkPoints<decltype(m)>
-        <<<BlocksFor(count), kThreads, 0, stream>>>(view, points, count, marks, levels);
+    Launch("mark points",
+           MarkPoints<decltype(m)>,
+           BlocksFor(count),
+           stream,
+           view,
+           points,
+           count,
+           marks,
+           levels);
   });
 }
 
@@ -86,8 +93,16 @@ void LaunchFindCandidates(const ImageView<std::uint8_t>& grey,
                           std::uint8_t* candidates,
                           std::uint32_t* counts,
                           cudaStream_t stream) {
-  FindCandidates<<<BlocksFor(grid.size()), kThreads, 0, stream>>>(
-      grey, marks, rule, grid, candidates, counts);
+  Launch("find candidates",
+         FindCandidates,
+         BlocksFor(grid.size()),
+         stream,
+         grey,
+         marks,
+         rule,
+         grid,
+         candidates,
+         counts);
 }
 
 void LaunchTestCells(const PlantArguments& arguments,
@@ -96,8 +111,13 @@ void LaunchTestCells(const PlantArguments& arguments,
                      bool* gives_seed,
                      cudaStream_t stream) {
   VisitModel(model, [&](auto m) {
-    TestCells<decltype(m)>
-        <<<BlocksFor(arguments.count), kThreads, 0, stream>>>(arguments, candidates, gives_seed);
+    Launch("test candidates",
+           TestCells<decltype(m)>,
+           BlocksFor(arguments.count),
+           stream,
+           arguments,
+           candidates,
+           gives_seed);
   });
 }
 
@@ -108,8 +128,14 @@ void LaunchStartSeeds(const PlantArguments& arguments,
                       const Posterior<float>& prior,
                       cudaStream_t stream) {
   VisitModel(model, [&](auto m) {
-    StartSeeds<decltype(m)>
-        <<<BlocksFor(arguments.count), kThreads, 0, stream>>>(arguments, seeds, begin, prior);
+    Launch("start seeds",
+           StartSeeds<decltype(m)>,
+           BlocksFor(arguments.count),
+           stream,
+           arguments,
+           seeds,
+           begin,
+           prior);
   });
 }
 

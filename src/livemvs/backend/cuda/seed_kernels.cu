@@ -7,6 +7,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "livemvs/backend/cuda/launch.h"
 #include "livemvs/core/texture.h"
 
 namespace livemvs::cuda {
@@ -27,7 +28,7 @@ namespace {
 
 #include "livemvs/backend/kernel/mark.inc"
 
-static_assert(kLanes == 1 && kBlock == kSeedsPerBlock);
+static_assert(kLanes == 1 && kBlock == kThreads && kSeedsPerBlock == kThreads);
 
 /// The entries of a block that have something to search for, those with the shortest ranges first,
 /// so that the threads of a warp search for about as long.
@@ -165,21 +166,21 @@ void LaunchChooseWarp(const WarpRule& rule,
                       unsigned group_count,
                       Warp* warp,
                       cudaStream_t stream) {
-  ChooseWarp<<<group_count, kSeedsPerBlock, 0, stream>>>(rule, seeds, groups, warp);
+  Launch("choose sampling grids", ChooseWarp, dim3(group_count), stream, rule, seeds, groups, warp);
 }
 
 void LaunchBuildPairs(const ImageView<std::uint8_t>& grey,
                       std::uint16_t* pairs,
                       cudaStream_t stream) {
-  const auto across = static_cast<unsigned>((grey.stride + kSeedsPerBlock - 1) / kSeedsPerBlock);
-  const dim3 blocks(across, static_cast<unsigned>(grey.height));
-  BuildPairs<<<blocks, kSeedsPerBlock, 0, stream>>>(grey, pairs);
+  const dim3 across = BlocksFor(static_cast<std::size_t>(grey.stride));
+  const dim3 blocks(across.x, static_cast<unsigned>(grey.height));
+  Launch("pair rows of pixels", BuildPairs, blocks, stream, grey, pairs);
 }
 
 void LaunchUpdate(const UpdateArguments& arguments, CameraModel model, cudaStream_t stream) {
+  const dim3 blocks(arguments.common.block_count);
   VisitModel(model, [&](auto m) {
-    UpdateSeeds<decltype(m)>
-        <<<arguments.common.block_count, kSeedsPerBlock, 0, stream>>>(arguments, model);
+    Launch("update seeds", UpdateSeeds<decltype(m)>, blocks, stream, arguments, model);
   });
 }
 
@@ -188,9 +189,10 @@ void LaunchMark(const KernelArguments& arguments,
                 const MarkImage* marks,
                 CameraModel model,
                 cudaStream_t stream) {
+  const dim3 blocks(arguments.block_count);
   VisitModel(model, [&](auto m) {
-    MarkSeeds<decltype(m)>
-        <<<arguments.block_count, kSeedsPerBlock, 0, stream>>>(arguments, coordinate, marks, model);
+    Launch(
+        "mark seeds", MarkSeeds<decltype(m)>, blocks, stream, arguments, coordinate, marks, model);
   });
 }
 

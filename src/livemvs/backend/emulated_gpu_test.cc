@@ -1,0 +1,102 @@
+// What a GPU does that cannot be asked of a real one: it is too small, or gets lost. Everything
+// else about it is in the tests of all backends, which run on the emulated one, too.
+
+#include <cuda_runtime.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "livemvs/backend/backend.h"
+#include "livemvs/backend/cuda/cuda_backend.h"
+#include "plane_scene.h"
+
+namespace livemvs {
+namespace {
+
+using testing_support::PlaneScene;
+using testing_support::SidewaysPath;
+using testing_support::TestOptions;
+
+class EmulatedGpu : public ::testing::Test {
+ protected:
+  void SetUp() override { SetMemory("4096"); }
+  void TearDown() override { emulated_cuda::LoseDeviceAfter(-1); }
+
+  static void SetMemory(const char* mebibytes) { ::setenv(kEmulatedGpuVariable, mebibytes, 1); }
+
+  // Plants, updates, takes what ended, closes the gaps.
+  static void DoAll(const std::vector<PosedFrame>& frames, Backend* backend) {
+    SceneRange range;
+    range.near = 0.7;
+    range.far = 1.6;
+    const PosedFrame &ref = frames[0], &cur = frames[1];
+    const ImageView<std::uint8_t> first[] = {ref.picture->grey.view()};
+    backend->SetFrame(first);
+    const std::size_t born = backend->Plant({{ref.camera, ref.cam_from_world}, &range, {}, {}})[0];
+    const ImageView<std::uint8_t> second[] = {cur.picture->grey.view()};
+    backend->SetFrame(second);
+    const SeedGroup groups[] = {
+        {0,
+         born,
+         0,
+         MakeRelativeView<float>(ref.camera, ref.cam_from_world, cur.camera, cur.cam_from_world),
+         static_cast<float>(1 / ref.camera.FocalLength())}};
+    backend->Update(groups, cur.camera.model);
+    EXPECT_FALSE(backend->TakeEnded().empty());
+    backend->Compact();
+    EXPECT_FALSE(backend->Read(0, 10, 1).empty());
+  }
+
+  static Options EndingSoon() {
+    Options options = TestOptions();
+    options.max_seeds = 20'000;
+    options.max_age = 1;
+    options.min_views = 200;
+    return options;
+  }
+};
+
+TEST_F(EmulatedGpu, IsThereWhereTheVariableIsSet) {
+  ASSERT_EQ(FindCudaDevices().devices.size(), 1U);
+  EXPECT_TRUE(FindCudaDevices().devices[0].trouble.empty());
+  ::unsetenv(kEmulatedGpuVariable);
+  EXPECT_TRUE(FindCudaDevices().devices.empty());
+  EXPECT_EQ(FindCudaDevices().trouble, "no NVIDIA driver is installed");
+}
+
+TEST_F(EmulatedGpu, ThatIsTooSmallSaysSoAndAutoTakesTheCpu) {
+  SetMemory("8");
+  Options options = TestOptions();
+  options.max_seeds = 1'000'000;
+  try {
+    MakeCudaBackend(options);
+    FAIL() << "a million seeds in 8 MiB";
+  } catch (const DeviceError& error) {
+    EXPECT_NE(std::string(error.what()).find("8 MiB of memory"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--seeds"), std::string::npos) << error.what();
+  }
+  options.backend = BackendChoice::kAuto;
+  EXPECT_TRUE(MakeBackend(options)->name().starts_with("CPU"));
+  options.max_seeds = 10'000;
+  EXPECT_TRUE(MakeBackend(options)->name().starts_with("CUDA")) << "what was taken is given back";
+}
+
+TEST_F(EmulatedGpu, ThatIsLostAtAnyMomentIsAnError) {
+  const auto frames = PlaneScene().Render(SidewaysPath(2));
+  const int before = emulated_cuda::Launches();
+  DoAll(frames, MakeCudaBackend(EndingSoon()).get());
+  const int launches = emulated_cuda::Launches() - before;
+  ASSERT_GT(launches, 5);
+  for (int lost_at = 0; lost_at < launches; ++lost_at) {
+    emulated_cuda::LoseDeviceAfter(lost_at);
+    const std::unique_ptr<Backend> backend = MakeCudaBackend(EndingSoon());
+    EXPECT_THROW(DoAll(frames, backend.get()), DeviceError) << "launch " << lost_at;
+  }
+  emulated_cuda::LoseDeviceAfter(-1);
+  DoAll(frames, MakeCudaBackend(EndingSoon()).get());
+}
+
+}  // namespace
+}  // namespace livemvs
