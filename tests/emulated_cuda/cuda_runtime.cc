@@ -81,6 +81,12 @@ class Multiprocessor {
     }
   }
 
+  // Forgets threads that will not go on.
+  void Discard() {
+    for (const auto& fibre : fibres_) munmap(fibre->stack, kStackBytes);
+    fibres_.clear();
+  }
+
   // Called by a thread: stops until it is released, and returns the result.
   std::uint64_t Wait(Waits waits, std::uint64_t given, std::uint32_t mask, unsigned delta) {
     Fibre& fibre = *fibres_[running_];
@@ -166,25 +172,27 @@ class Multiprocessor {
       }
       return true;
     }
-    for (unsigned first = 0; first < threads; first += kWarp) released |= ReleaseWarp(first);
+    for (unsigned first = 0; first < threads; first += kWarp)
+      released |= ReleaseWarp(first, threads);
     if (released) return true;
     throw LaunchFailure("the threads of a block wait for each other at different places");
   }
 
-  bool ReleaseWarp(unsigned first) {
+  bool ReleaseWarp(unsigned first, unsigned threads) {
     std::uint32_t waiting = 0, mask = 0;
-    for (unsigned lane = 0; lane < kWarp && first + lane < fibres_.size(); ++lane) {
+    for (unsigned lane = 0; lane < kWarp && first + lane < threads; ++lane) {
       const Fibre& fibre = *fibres_[first + lane];
       if (fibre.done || fibre.waits != Waits::kForWarp) continue;
+      if (waiting != 0 && fibre.mask != mask) return false;
       waiting |= std::uint32_t{1} << lane;
       mask = fibre.mask;
     }
     if (waiting == 0 || waiting != mask) return false;
     std::uint64_t given[kWarp] = {};
-    for (unsigned lane = 0; lane < kWarp && first + lane < fibres_.size(); ++lane) {
+    for (unsigned lane = 0; lane < kWarp && first + lane < threads; ++lane) {
       given[lane] = fibres_[first + lane]->given;
     }
-    for (unsigned lane = 0; lane < kWarp && first + lane < fibres_.size(); ++lane) {
+    for (unsigned lane = 0; lane < kWarp && first + lane < threads; ++lane) {
       if (((waiting >> lane) & 1) == 0) continue;
       Fibre& fibre = *fibres_[first + lane];
       fibre.result = given[lane >= fibre.delta ? lane - fibre.delta : lane];
@@ -217,7 +225,9 @@ struct Device {
   cudaError_t last = cudaSuccess;
   bool lost = false;
   int launches = 0;
-  int launches_left = -1;
+  bool works_at_once = false;
+  int operations = 0;
+  int operations_left = -1;
 };
 
 Device& TheDevice() {
@@ -263,10 +273,15 @@ cudaError_t RunAll(cudaStream_t stream) {
   while (!stream->work.empty() && !device.lost) {
     const std::function<void()> work = std::move(stream->work.front());
     stream->work.pop_front();
+    ++device.operations;
+    if (device.operations_left == 0) device.lost = true;
+    if (device.operations_left > 0) --device.operations_left;
+    if (device.lost) break;
     try {
       work();
     } catch (const LaunchFailure& failure) {
       std::fprintf(stderr, "emulated GPU: %s\n", failure.what());
+      device.multiprocessor.Discard();
       device.lost = true;
     }
   }
@@ -313,7 +328,7 @@ cudaError_t Enqueue(cudaStream_t stream, std::function<void()> work) {
   const std::lock_guard lock(device.mutex);
   if (device.lost) return Remember(cudaErrorLaunchFailure);
   stream->work.push_back(std::move(work));
-  return cudaSuccess;
+  return device.works_at_once ? RunAll(stream) : cudaSuccess;
 }
 
 cudaError_t EnqueueKernel(const cudaLaunchConfig_t& config, std::function<void()> thread) {
@@ -326,8 +341,6 @@ cudaError_t EnqueueKernel(const cudaLaunchConfig_t& config, std::function<void()
   Device& device = TheDevice();
   const std::lock_guard lock(device.mutex);
   const bool backwards = ++device.launches % 2 == 0;
-  if (device.launches_left == 0) device.lost = true;
-  if (device.launches_left > 0) --device.launches_left;
   return Enqueue(config.stream, [=, thread = std::move(thread)] {
     const std::size_t n = std::size_t{blocks.x} * blocks.y;
     for (std::size_t k = 0; k < n; ++k) {
@@ -349,12 +362,14 @@ std::uint64_t ShuffleUp(std::uint32_t mask, std::uint64_t value, unsigned delta)
   return TheDevice().multiprocessor.Wait(Waits::kForWarp, value, mask, delta);
 }
 
-void LoseDeviceAfter(int launches) {
-  TheDevice().launches_left = launches;
+void WorkAtOnce(bool at_once) { TheDevice().works_at_once = at_once; }
+
+void LoseDeviceAfter(int operations) {
+  TheDevice().operations_left = operations;
   TheDevice().lost = false;
 }
 
-int Launches() { return TheDevice().launches; }
+int Operations() { return TheDevice().operations; }
 
 }  // namespace emulated_cuda
 
@@ -433,6 +448,7 @@ cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
 cudaError_t cudaMemcpyAsync(
     void* to, const void* from, std::size_t bytes, cudaMemcpyKind, cudaStream_t stream) {
   const std::lock_guard lock(TheDevice().mutex);
+  if (bytes == 0) return cudaSuccess;
   if (Overruns(to, bytes) || Overruns(from, bytes)) return Remember(cudaErrorInvalidValue);
   if (AllocationOf(from, bytes) == nullptr) {  // what may be paged out is copied at once
     const auto* begin = static_cast<const char*>(from);

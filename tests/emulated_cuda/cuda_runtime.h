@@ -9,12 +9,16 @@
 // - Memory of the device is filled with rubbish when allocated. The address sanitizer sees where
 //   kernels, and copies, leave what was allocated.
 //
+// It does not see host code that reads the device's memory, kernels that read the host's stack, and
+// shared memory that is read before it is written: that begins as the block before left it.
+//
 // There is a device only where kEmulatedGpuVariable is set.
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <tuple>
 #include <type_traits>
 
 #define __global__
@@ -94,10 +98,13 @@ int WaitForBlock(bool condition);
 /// Waits for the warp's threads with bits in `mask`; returns what the one `delta` lanes below has.
 std::uint64_t ShuffleUp(std::uint32_t mask, std::uint64_t value, unsigned delta);
 
-/// From now on the device is lost at the launch after the next `launches`; -1: never.
-void LoseDeviceAfter(int launches);
-/// Launches so far.
-int Launches();
+/// Whether work is done when it is begun, as early as a device may do it; otherwise when it is
+/// waited for.
+void WorkAtOnce(bool at_once);
+/// From now on the device is lost after `operations` more: copies, kernels, selections; -1: never.
+void LoseDeviceAfter(int operations);
+/// Operations so far.
+int Operations();
 
 }  // namespace emulated_cuda
 
@@ -110,7 +117,8 @@ cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t* config,
                                void (*kernel)(Parameters...),
                                Arguments&&... arguments) {
   static_assert((std::is_trivially_copyable_v<Parameters> && ...), "copied to the device");
-  return emulated_cuda::EnqueueKernel(*config, [=] { kernel(arguments...); });
+  const std::tuple<Parameters...> copied(arguments...);
+  return emulated_cuda::EnqueueKernel(*config, [=] { std::apply(kernel, copied); });
 }
 
 inline void __syncthreads() { emulated_cuda::WaitForBlock(false); }

@@ -4,9 +4,11 @@
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "livemvs/backend/backend.h"
 #include "livemvs/backend/cuda/cuda_backend.h"
@@ -21,13 +23,24 @@ using testing_support::TestOptions;
 
 class EmulatedGpu : public ::testing::Test {
  protected:
-  void SetUp() override { SetMemory("4096"); }
-  void TearDown() override { emulated_cuda::LoseDeviceAfter(-1); }
+  void SetUp() override {
+    if (const char* memory = std::getenv(kEmulatedGpuVariable)) before_ = memory;
+    SetMemory("4096");
+  }
+  void TearDown() override {
+    emulated_cuda::LoseDeviceAfter(-1);
+    emulated_cuda::WorkAtOnce(false);
+    if (before_.empty()) {
+      ::unsetenv(kEmulatedGpuVariable);
+    } else {
+      SetMemory(before_.c_str());
+    }
+  }
 
   static void SetMemory(const char* mebibytes) { ::setenv(kEmulatedGpuVariable, mebibytes, 1); }
 
-  // Plants, updates, takes what ended, closes the gaps.
-  static void DoAll(const std::vector<PosedFrame>& frames, Backend* backend) {
+  // Plants, updates, takes what ended, closes the gaps; returns what is left.
+  static std::vector<SeedState> DoAll(const std::vector<PosedFrame>& frames, Backend* backend) {
     SceneRange range;
     range.near = 0.7;
     range.far = 1.6;
@@ -44,10 +57,14 @@ class EmulatedGpu : public ::testing::Test {
          MakeRelativeView<float>(ref.camera, ref.cam_from_world, cur.camera, cur.cam_from_world),
          static_cast<float>(1 / ref.camera.FocalLength())}};
     backend->Update(groups, cur.camera.model);
-    EXPECT_FALSE(backend->TakeEnded().empty());
+    const std::size_t ended = backend->TakeEnded().size();
+    EXPECT_GT(ended, 0U);
+    EXPECT_LT(ended, born);
     backend->Compact();
-    EXPECT_FALSE(backend->Read(0, 10, 1).empty());
+    return backend->Read(0, born - ended, 1);
   }
+
+  std::string before_;  // what the variable was
 
   static Options EndingSoon() {
     Options options = TestOptions();
@@ -83,19 +100,30 @@ TEST_F(EmulatedGpu, ThatIsTooSmallSaysSoAndAutoTakesTheCpu) {
   EXPECT_TRUE(MakeBackend(options)->name().starts_with("CUDA")) << "what was taken is given back";
 }
 
+TEST_F(EmulatedGpu, GivesTheSameWhenItWorksEarlyOrLate) {
+  const auto frames = PlaneScene().Render(SidewaysPath(2));
+  const std::vector<SeedState> late = DoAll(frames, MakeCudaBackend(EndingSoon()).get());
+  emulated_cuda::WorkAtOnce(true);
+  const std::vector<SeedState> early = DoAll(frames, MakeCudaBackend(EndingSoon()).get());
+  EXPECT_FALSE(late.empty());
+  EXPECT_TRUE(std::ranges::equal(early, late, [](const SeedState& a, const SeedState& b) {
+    return a.posterior.mu == b.posterior.mu && a.posterior.sigma2 == b.posterior.sigma2 &&
+           a.counts.age == b.counts.age && a.fate == b.fate;
+  }));
+}
+
 TEST_F(EmulatedGpu, ThatIsLostAtAnyMomentIsAnError) {
   const auto frames = PlaneScene().Render(SidewaysPath(2));
-  const int before = emulated_cuda::Launches();
+  const int before = emulated_cuda::Operations();
   DoAll(frames, MakeCudaBackend(EndingSoon()).get());
-  const int launches = emulated_cuda::Launches() - before;
-  ASSERT_GT(launches, 5);
-  for (int lost_at = 0; lost_at < launches; ++lost_at) {
+  const int operations = emulated_cuda::Operations() - before;
+  ASSERT_GT(operations, 20);
+  for (int lost_at = 0; lost_at < operations; ++lost_at) {
     emulated_cuda::LoseDeviceAfter(lost_at);
-    const std::unique_ptr<Backend> backend = MakeCudaBackend(EndingSoon());
-    EXPECT_THROW(DoAll(frames, backend.get()), DeviceError) << "launch " << lost_at;
+    EXPECT_THROW(DoAll(frames, MakeCudaBackend(EndingSoon()).get()), DeviceError) << lost_at;
   }
   emulated_cuda::LoseDeviceAfter(-1);
-  DoAll(frames, MakeCudaBackend(EndingSoon()).get());
+  EXPECT_FALSE(DoAll(frames, MakeCudaBackend(EndingSoon()).get()).empty()) << "nothing stays";
 }
 
 }  // namespace

@@ -223,7 +223,10 @@ CudaDevices FindCudaDevices() {
   }
   for (int i = 0; i < count; ++i) {
     cudaDeviceProp properties;
-    if (cudaGetDeviceProperties(&properties, i) != cudaSuccess) continue;
+    if (cudaGetDeviceProperties(&properties, i) != cudaSuccess) {
+      cudaGetLastError();
+      continue;
+    }
     found.devices.push_back({properties.name,
                              properties.major,
                              properties.minor,

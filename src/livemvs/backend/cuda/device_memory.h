@@ -13,6 +13,7 @@ namespace livemvs::cuda {
 /// @throws DeviceError with what was being done, and CUDA's reason, where it failed.
 inline void Check(cudaError_t status, const char* doing) {
   if (status == cudaSuccess) return;
+  cudaGetLastError();  // it does not stay, for whoever asks next
   throw DeviceError(std::string("GPU: ") + doing + ": " + cudaGetErrorString(status));
 }
 

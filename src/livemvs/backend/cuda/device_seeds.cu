@@ -157,7 +157,7 @@ void DeviceSeeds::SelectEnded() {
 }
 
 std::span<const EndedSeed> DeviceSeeds::TakeEnded() {
-  const std::size_t n = std::exchange(*ended_count_.get(), 0);
+  const std::size_t n = *ended_count_.get();
   if (n == 0) return {};
   ended_.Reserve(n);
   ended_on_host_.Reserve(n);
@@ -171,6 +171,7 @@ std::span<const EndedSeed> DeviceSeeds::TakeEnded() {
          ended_.get());
   Copy(ended_.get(), ended_on_host_.get(), n, *stream_);
   stream_->Wait("gather ended seeds");
+  *ended_count_.get() = 0;
   removed_ += n;
   return {ended_on_host_.get(), n};
 }

@@ -7,7 +7,6 @@
 #include <limits>
 #include <type_traits>
 
-#include "livemvs/backend/cuda/launch.h"
 #include "livemvs/core/texture.h"
 
 namespace livemvs::cuda {
@@ -28,7 +27,7 @@ namespace {
 
 #include "livemvs/backend/kernel/mark.inc"
 
-static_assert(kLanes == 1 && kBlock == kThreads && kSeedsPerBlock == kThreads);
+static_assert(kLanes == 1 && kBlock == kSeedsPerBlock);
 
 /// The entries of a block that have something to search for, those with the shortest ranges first,
 /// so that the threads of a warp search for about as long.

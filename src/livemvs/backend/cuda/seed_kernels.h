@@ -6,13 +6,14 @@
 #include <type_traits>
 
 #include "livemvs/backend/backend.h"
+#include "livemvs/backend/cuda/launch.h"
 #include "livemvs/backend/kernel/jobs.h"
 #include "livemvs/backend/warp_rule.h"
 
 namespace livemvs::cuda {
 
 /// Threads of a block, each with a seed.
-inline constexpr int kSeedsPerBlock = 256;
+inline constexpr int kSeedsPerBlock = kThreads;
 
 /// Consecutive seeds of one group, for a block of threads.
 struct SeedBlock {
