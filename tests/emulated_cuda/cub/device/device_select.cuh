@@ -3,11 +3,11 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
-#include <cstdint>
+
+#include "cub/device/emulated_algorithm.h"
 
 namespace cub {
 
-// Each tells the bytes of scratch memory that it needs where there is none.
 struct DeviceSelect {
   template <typename In, typename Out, typename Count, typename Predicate>
   static cudaError_t If(void* scratch,
@@ -18,20 +18,8 @@ struct DeviceSelect {
                         int n,
                         Predicate predicate,
                         cudaStream_t stream) {
-    const std::size_t needed = 1 + static_cast<std::size_t>(n) / 256;
-    if (scratch == nullptr) {
-      bytes = needed;
-      return cudaSuccess;
-    }
-    if (bytes < needed) return cudaErrorInvalidValue;
-    return emulated_cuda::Enqueue(stream, [=] {
-      std::memset(scratch, 0xA5, needed);
-      Count selected = 0;
-      for (int i = 0; i < n; ++i) {
-        const auto value = in[i];
-        if (predicate(value)) out[selected++] = value;
-      }
-      *count = selected;
+    return EnqueueAlgorithm(scratch, bytes, n, stream, [=] {
+      Keep(in, out, count, n, [&](int i) { return predicate(in[i]); });
     });
   }
 
@@ -44,20 +32,19 @@ struct DeviceSelect {
                              Count* count,
                              int n,
                              cudaStream_t stream) {
-    const std::size_t needed = 1 + static_cast<std::size_t>(n) / 256;
-    if (scratch == nullptr) {
-      bytes = needed;
-      return cudaSuccess;
-    }
-    if (bytes < needed) return cudaErrorInvalidValue;
-    return emulated_cuda::Enqueue(stream, [=] {
-      std::memset(scratch, 0xA5, needed);
-      Count selected = 0;
-      for (int i = 0; i < n; ++i) {
-        if (flags[i]) out[selected++] = in[i];
-      }
-      *count = selected;
+    return EnqueueAlgorithm(scratch, bytes, n, stream, [=] {
+      Keep(in, out, count, n, [&](int i) { return flags[i]; });
     });
+  }
+
+ private:
+  template <typename In, typename Out, typename Count, typename IsKept>
+  static void Keep(In in, Out* out, Count* count, int n, const IsKept& is_kept) {
+    Count kept = 0;
+    for (int i = 0; i < n; ++i) {
+      if (is_kept(i)) out[kept++] = in[i];
+    }
+    *count = kept;
   }
 };
 
