@@ -47,6 +47,10 @@ struct Options {
   /// third with kWindow. Frames of several cameras in turn want a number that does not favour one
   /// of them.
   int plant_every = 0;
+  /// A seed meets a frame only if the camera has moved since the last that it met: by this share of
+  /// its distance from the seed's own frame, or by a turn of as many radians. From nearly the same
+  /// place a match has nearly the same error again. 0: every frame, as published.
+  float min_move = 0.04F;
   /// Distance between neighbouring seeds of one frame [px].
   int seed_spacing_px = 1;
   /// A pixel is given a seed only if no live seed and no point that was seen from a similar
@@ -65,8 +69,8 @@ struct Options {
 
   // --- The prior, [VH11] Sec. 4.2
   // ---------------------------------------------------------------------
-  float prior_a = 5;  ///< a_0
-  float prior_b = 5;  ///< b_0
+  float prior_a = 3;  ///< a_0
+  float prior_b = 3;  ///< b_0
   DepthCoordinate coordinate = DepthCoordinate::kInverseDepth;
 
   // --- The search, [VH11] Sec. 4.2
@@ -116,13 +120,13 @@ struct Options {
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
   /// level. At least one of the two must be positive.
-  float epsilon_px = 1;
+  float epsilon_px = 1.1F;
   /// Fewest measurements that agreed.
-  int min_views = 8;
-  /// Frames that told something, or would have if the patch could be matched, after which a seed
-  /// that has not converged is given up; 0: never.
-  int max_age = 64;
-  /// Consecutive frames out of view after which a seed is given up; 0: never.
+  int min_views = 6;
+  /// Frames met that told something, or would have if the patch could be matched, after which a
+  /// seed that has not converged is given up; 0: never.
+  int max_age = 56;
+  /// Consecutive frames met out of view after which a seed is given up; 0: never.
   int max_unseen = 8;
 
   // --- The cloud, when all frames are in; [VH11] leaves it as it is
@@ -152,6 +156,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("box_margin", o.box_margin);
   visit("levels", o.levels);
   visit("plant_every", o.plant_every);
+  visit("min_move", o.min_move);
   visit("seed_spacing_px", o.seed_spacing_px);
   visit("cover_radius_px", o.cover_radius_px);
   visit("cover_angle_deg", o.cover_angle_deg);

@@ -21,6 +21,7 @@ TEST(OptionsTest, PaperPresetHasThePapersConstants) {
   const Options o = OptionsFromPreset("paper");
   EXPECT_EQ(o.max_seeds, 250'000);        // Sec. 4
   EXPECT_EQ(o.plant_every, 1);            // Algorithm 1, step 1
+  EXPECT_EQ(o.min_move, 0);               // Algorithm 1, step 2
   EXPECT_EQ(o.prior_a, 10);               // Sec. 4.2
   EXPECT_EQ(o.prior_b, 10);               // Sec. 4.2
   EXPECT_EQ(o.search_radius_px, 3);       // w, Sec. 4.2
@@ -40,6 +41,7 @@ TEST(OptionsTest, CheckNamesOptionAndValue) {
   } cases[] = {
       {"max_seeds", [](Options* o) { o->max_seeds = 0; }},
       {"plant_every", [](Options* o) { o->plant_every = -1; }},
+      {"min_move", [](Options* o) { o->min_move = -0.1F; }},
       {"seed_spacing_px", [](Options* o) { o->seed_spacing_px = 0; }},
       {"prior_a", [](Options* o) { o->prior_a = 0; }},
       {"prior_b", [](Options* o) { o->prior_b = std::nanf(""); }},

@@ -98,15 +98,16 @@ void Reconstructor::RunAlgorithm(const PosedFrame& frame) {
   ++statistics_.frames;
 }
 
-std::vector<SeedGroup> Reconstructor::GroupsIn(const PosedFrame& frame) const {
-  return MakeGroups(
-      pool_.references(), frame.camera, frame.cam_from_world, pyramid_.levels().size());
+std::vector<SeedGroup> Reconstructor::GroupsIn(
+    const PosedFrame& frame, const std::vector<ReferenceFrame>& references) const {
+  return MakeGroups(references, frame.camera, frame.cam_from_world, pyramid_.levels().size());
 }
 
 void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.update_seconds);
   pool_.backend().SetFrame(pyramid_.levels());
-  statistics_.updates += pool_.backend().Update(GroupsIn(frame), frame.camera.model);
+  const std::vector<ReferenceFrame> met = pool_.Meet(frame.cam_from_world, options_.min_move);
+  statistics_.updates += pool_.backend().Update(GroupsIn(frame, met), frame.camera.model);
 }
 
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
@@ -208,7 +209,7 @@ void Reconstructor::SpawnSeeds(const PosedFrame& frame) {
   frames_to_wait_ = PlantEvery(options_) - 1;
   pool_.Compact();
   std::vector<SeedGroup> groups;
-  if (options_.cover_radius_px >= 0) groups = GroupsIn(frame);
+  if (options_.cover_radius_px >= 0) groups = GroupsIn(frame, pool_.references());
   statistics_.seeds_spawned +=
       pool_.Plant(frame.index, {{frame.camera, frame.cam_from_world}, &range_, groups, points_});
 }

@@ -82,7 +82,8 @@ class Reconstructor {
 
   void RunAlgorithm(const PosedFrame& frame);
   void GoOnWithCpu(const DeviceError& error);
-  std::vector<SeedGroup> GroupsIn(const PosedFrame& frame) const;
+  std::vector<SeedGroup> GroupsIn(const PosedFrame& frame,
+                                  const std::vector<ReferenceFrame>& references) const;
   void SpawnSeeds(const PosedFrame& frame);
   void UpdateSeeds(const PosedFrame& frame);
   void CollectSeeds(const PosedFrame& frame);

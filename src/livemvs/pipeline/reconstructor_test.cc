@@ -101,6 +101,7 @@ TEST(ReconstructorTest, MatchesTheReference) {
   options.seed_spacing_px = 5;
   options.cover_radius_px = -1;
   options.epsilon_px = 2;
+  options.min_move = 0.2F;  // from the sixth frame after its own on, a seed does not meet each
   const std::vector<PosedFrame> frames(PlaneFrames().begin(), PlaneFrames().begin() + 14);
   const Result fast = Reconstruct(options, NearFar(), frames);
   reference::Algorithm1 slow(options, 0.6, 1.8);
@@ -265,6 +266,20 @@ TEST(ReconstructorTest, StillOrTurningCamerasNeitherRejectNorConverge) {
     EXPECT_EQ(r.statistics.rejected_left_interval, 0);
     EXPECT_EQ(r.statistics.updates.matched, 0);
     EXPECT_EQ(r.statistics.updates.mismatched, 0);
+  }
+}
+
+TEST(ReconstructorTest, ARestingCameraCostsNothing) {
+  for (const bool paper : {false, true}) {
+    Options options = TestOptions();
+    if (paper) options.min_move = 0;
+    Reconstructor reconstructor(options, NearFar());
+    for (int i = 0; i < 10; ++i) reconstructor.AddFrame(PlaneFrames()[i]);
+    const std::int64_t before = reconstructor.statistics().updates.total();
+    const auto live = static_cast<std::int64_t>(reconstructor.live_seeds());
+    ASSERT_GT(live, 1000);
+    reconstructor.AddFrame(PlaneFrames()[9]);
+    EXPECT_EQ(reconstructor.statistics().updates.total() - before, paper ? live : 0);
   }
 }
 

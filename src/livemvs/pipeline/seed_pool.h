@@ -21,6 +21,7 @@ struct ReferenceFrame {
   int level;
   Camera camera;  ///< At that level.
   Rigid3d cam_from_world;
+  Rigid3d last_met;  ///< cam_from_world of the last frame that the seeds met; first, of their own.
 };
 
 /// The M seeds of Algorithm 1, grouped by reference frame in order of birth. Their state is the
@@ -44,6 +45,11 @@ class SeedPool {
   /// Plants seeds in the backend's current frame (step 1 of Algorithm 1), as a group for each level
   /// of its pyramid, and returns how many in all.
   std::int64_t Plant(std::int64_t frame_index, const Planting& planting);
+
+  /// The reference frames whose seeds are to meet a frame with that pose (step 2), because the
+  /// camera has moved enough since the last that they met, see Options::min_move. The frame counts
+  /// as met.
+  std::vector<ReferenceFrame> Meet(const Rigid3d& cam_from_world, double min_move);
 
   /// Calls f(reference, seed) for the seeds that ended, in order; their slots are free after the
   /// next Compact().

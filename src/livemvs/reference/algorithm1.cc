@@ -1,5 +1,6 @@
 #include "livemvs/reference/algorithm1.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -66,6 +67,15 @@ double PatchVariance(const Seed& seed) {
   return variance;
 }
 
+// Whether the camera has moved enough since the last frame that the seed met (Options::min_move).
+bool Meets(const Options& options, const Seed& seed, const Rigid3d& cam_from_world) {
+  if (options.min_move == 0) return true;
+  const Rigid3d now_from_last = cam_from_world * seed.last_met.Inverse();
+  const Rigid3d now_from_own = cam_from_world * seed.cam_from_world.Inverse();
+  return now_from_last.translation.norm() > options.min_move * now_from_own.translation.norm() ||
+         Eigen::AngleAxisd(now_from_last.rotation).angle() > options.min_move;
+}
+
 }  // namespace
 
 Match UpdateSeed(const Options& options, const Meeting& current, Seed* seed) {
@@ -99,6 +109,7 @@ Seed MakeSeed(
   Seed seed;
   seed.camera = frame.camera;
   seed.cam_from_world = frame.cam_from_world;
+  seed.last_met = frame.cam_from_world;
   const Eigen::Vector3d ray =
       Projector(frame.camera).Unproject({x, y}).value_or(Eigen::Vector3d(0, 0, 1));
   seed.bearing_x = ray.x();
@@ -125,8 +136,12 @@ std::size_t Algorithm1::AddFrame(const PosedFrame& frame) {
   const std::size_t before = points_.size();
   const Meeting current = {
       frame.picture->grey.view(), Projector(frame.camera), frame.cam_from_world, false};
-  for (Seed& seed : seeds_) UpdateSeed(options_, current, &seed);  // step 2
-  for (const Seed& seed : seeds_) {                                // steps 3 and 4
+  for (Seed& seed : seeds_) {  // step 2
+    if (!Meets(options_, seed, frame.cam_from_world)) continue;
+    UpdateSeed(options_, current, &seed);
+    seed.last_met = frame.cam_from_world;
+  }
+  for (const Seed& seed : seeds_) {  // steps 3 and 4
     if (seed.fate == Fate::kConverged) Convert(seed);
   }
   std::erase_if(seeds_, [](const Seed& seed) { return seed.fate != Fate::kAlive; });

@@ -15,6 +15,7 @@ namespace livemvs::reference {
 struct Seed {
   Camera camera;           ///< Of the reference frame.
   Rigid3d cam_from_world;  ///< Of the reference frame.
+  Rigid3d last_met;        ///< cam_from_world of the last frame that it met.
   double bearing_x = 0;    ///< The ray is (bearing_x, bearing_y, 1).
   double bearing_y = 0;
   Interval<double> interval{};
