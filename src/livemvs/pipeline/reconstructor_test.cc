@@ -101,23 +101,31 @@ TEST(ReconstructorTest, MatchesTheReference) {
   options.seed_spacing_px = 5;
   options.cover_radius_px = -1;
   options.epsilon_px = 2;
-  options.min_move = 0.2F;  // from the sixth frame after its own on, a seed does not meet each
-  const std::vector<PosedFrame> frames(PlaneFrames().begin(), PlaneFrames().begin() + 14);
-  const Result fast = Reconstruct(options, NearFar(), frames);
-  reference::Algorithm1 slow(options, 0.6, 1.8);
-  for (const PosedFrame& f : frames) slow.AddFrame(f);
-  const auto n = static_cast<double>(slow.points().size());
-  ASSERT_GT(n, 300);
-  EXPECT_NEAR(static_cast<double>(fast.points.size()), n, 0.02 * n);
-  const auto rms = [](const PointCloud& points) {
-    double sum = 0;
-    for (const Point& p : points) {
-      const double h = PlaneScene::HeightAbove(p.position.cast<double>());
-      sum += std::min(h * h, 1e-2);
-    }
-    return std::sqrt(sum / static_cast<double>(points.size()));
-  };
-  EXPECT_NEAR(rms(fast.points) / rms(slow.points()), 1, 0.1);
+  options.prior_a = 3;
+  options.prior_b = 3;
+  const std::vector<PosedFrame> frames(PlaneFrames().begin(), PlaneFrames().begin() + 20);
+  std::size_t points = 0;
+  for (const float min_move : {0.0F, 0.1F}) {  // the second: not each frame from the eleventh on
+    options.min_move = min_move;
+    const Result fast = Reconstruct(options, NearFar(), frames);
+    reference::Algorithm1 slow(options, 0.6, 1.8);
+    for (const PosedFrame& f : frames) slow.AddFrame(f);
+    const auto n = static_cast<double>(slow.points().size());
+    ASSERT_GT(n, 300);
+    ASSERT_NE(slow.points().size(), points) << "the option makes a difference";
+    points = slow.points().size();
+    EXPECT_NEAR(static_cast<double>(fast.points.size()), n, 0.02 * n);
+    const auto rms = [](const PointCloud& cloud) {
+      double sum = 0;
+      for (const Point& p : cloud) {
+        const double h = PlaneScene::HeightAbove(p.position.cast<double>());
+        sum += std::min(h * h, 1e-2);
+      }
+      return std::sqrt(sum / static_cast<double>(cloud.size()));
+    };
+    EXPECT_NEAR(rms(fast.points) / rms(slow.points()), 1, 0.1);
+    RecordProperty("points_" + std::to_string(min_move), static_cast<int>(points));
+  }
 }
 
 TEST(ReconstructorTest, PlantsInEveryNthFrame) {
