@@ -66,7 +66,7 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s, const FinishedCloud& f
   std::string reason = "too few frames";
   if (s.seeds_spawned == 0) {
     reason = "no pixel has texture within the range: check --box or --near and --far";
-  } else if (s.updates.no_information >= s.updates.total() * 9 / 10) {
+  } else if (s.updates.total() == 0 || s.updates.no_information >= s.updates.total() * 9 / 10) {
     reason = "the camera hardly moves, or its pictures are blurred";
   } else if (s.updates.out_of_view > s.updates.total() / 2) {
     reason =

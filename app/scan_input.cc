@@ -20,7 +20,7 @@ namespace {
 /// Frames that are fed again when a recording is resumed, so that the seeds that were alive grow
 /// again: twice as many as a seed may meet, because it does not meet each.
 std::int64_t WarmUpFrames(const ScanArguments& args) {
-  return static_cast<std::int64_t>(2 * DefaultOptions().max_age) * args.step;
+  return std::int64_t{2} * DefaultOptions().max_age * args.step;
 }
 
 std::int64_t LastIndex(const Replay& before) {

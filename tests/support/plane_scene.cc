@@ -100,6 +100,7 @@ Options TestOptions() {
   Options o;
   o.max_seeds = 4000;
   o.levels = 1;
+  o.min_move = 0.04F;
   o.seed_spacing_px = 2;
   o.cover_radius_px = 1;
   o.cover_angle_deg = 50;

@@ -35,7 +35,7 @@ struct Planting {
   std::span<const Point> points;
 };
 
-/// What one update of all seeds did, by the status of the match and the fate that followed.
+/// What one update did, by the status of the match and the fate that followed.
 struct UpdateStatistics {
   std::int64_t matched = 0;
   std::int64_t no_information = 0;
@@ -80,7 +80,8 @@ class Backend {
   virtual void SetFrame(std::span<const ImageView<std::uint8_t>> pyramid) = 0;
 
   /// Step 2: meets all seeds of the groups with the current frame: project, match, fuse, judge.
-  /// Writes their posterior, counts and fate. All groups' cameras have the model `model`.
+  /// Writes their posterior, counts and fate; seeds of no group, of which there may be many, stay
+  /// as they are. All groups' cameras have the model `model`.
   virtual UpdateStatistics Update(std::span<const SeedGroup> groups, CameraModel model) = 0;
 
   /// Gives the seeds whose fate was decided and was not given before, in the order of their slots,

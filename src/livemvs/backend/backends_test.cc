@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -166,6 +167,43 @@ TEST_P(BackendTest, CountsEveryLivingSeedOnce) {
   EXPECT_GT(ended, static_cast<std::int64_t>(born) / 2);
   EXPECT_EQ(Update(frames[0], frames[2], born, backend.get()).total(),
             static_cast<std::int64_t>(born) - ended);
+}
+
+TEST_P(BackendTest, SeedsOfNoGroupStayAsTheyAre) {
+  const auto frames = PlaneScene().Render(SidewaysPath(3));
+  Options options = PlantingEvery(1);
+  options.max_age = 1;  // all end that tell something
+  options.min_views = 200;
+  const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), options);
+  const std::size_t born = PlantAll(frames[0], backend.get());
+  const std::size_t first = born / 4, last = born / 2 + 3;
+  const auto update = [&](const PosedFrame& frame, std::span<const SeedGroup> groups) {
+    const ImageView<std::uint8_t> pyramid[] = {frame.picture->grey.view()};
+    backend->SetFrame(pyramid);
+    return backend->Update(groups, frame.camera.model);
+  };
+  const std::vector<SeedState> before = backend->Read(0, born, 1);
+  EXPECT_EQ(update(frames[1], {}).total(), 0);
+  EXPECT_TRUE(backend->TakeEnded().empty());
+
+  const SeedGroup some[] = {GroupOf(frames[0], frames[1], first, last)};
+  EXPECT_EQ(update(frames[1], some).total(), static_cast<std::int64_t>(last - first));
+  const std::vector<SeedState> after = backend->Read(0, born, 1);
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < born; ++i) {
+    const bool same = SameNumbers(before[i], after[i]) && SameCounts(before[i], after[i]);
+    other += !same;
+    ASSERT_TRUE(same || (i >= first && i < last)) << i;
+  }
+  EXPECT_GT(other, (last - first) / 2);
+
+  // Nobody took those that ended; a frame without groups does not lose them.
+  EXPECT_EQ(update(frames[2], {}).total(), 0);
+  const std::size_t ended = backend->TakeEnded().size();
+  EXPECT_GT(ended, (last - first) / 2);
+  backend->Compact();
+  const SeedGroup rest[] = {GroupOf(frames[0], frames[2], 0, born - ended)};
+  EXPECT_EQ(update(frames[2], rest).total(), static_cast<std::int64_t>(born - ended));
 }
 
 TEST_P(BackendTest, GivesEachEndedSeedOnceAndClosesGapsInOrder) {

@@ -110,7 +110,7 @@ void Options::Check() const {
   Require(max_seeds >= 1 && max_seeds <= 64'000'000, "max_seeds", max_seeds, "1 ... 64000000");
   Require(levels >= 1 && levels <= 6, "levels", levels, "1 ... 6");
   Require(plant_every >= 0 && plant_every <= 1000, "plant_every", plant_every, "0 ... 1000");
-  Require(min_move >= 0 && min_move <= 1, "min_move", min_move, "0 ... 1");
+  Require(min_move >= 0 && min_move < 1, "min_move", min_move, "in [0, 1)");
   Require(seed_spacing_px >= 1 && seed_spacing_px <= 64,
           "seed_spacing_px",
           seed_spacing_px,

@@ -31,6 +31,10 @@ enum class BackendChoice {
   kAuto   ///< The GPU where there is one that can be used, else the CPU.
 };
 
+/// The most frames in a row that a seed does not meet, see Options::min_move. It bounds how long
+/// those that went out of view stay while the camera hardly moves.
+inline constexpr int kMostLeftOut = 7;
+
 /// Every number of the method, with its symbol in [VH11] where it has one. Lengths along the line
 /// are in pixels of the current image; nothing depends on the scene's unit.
 struct Options {
@@ -47,9 +51,9 @@ struct Options {
   /// third with kWindow. Frames of several cameras in turn want a number that does not favour one
   /// of them.
   int plant_every = 0;
-  /// A seed meets a frame only if the camera has moved since the last that it met: by this share of
-  /// its distance from the seed's own frame, or by a turn of as many radians. From nearly the same
-  /// place a match has nearly the same error again. 0: every frame, as published.
+  /// A seed meets a frame only if the camera has moved since the last that it met, by this share of
+  /// its distance from the seed's own frame, or if it has left out kMostLeftOut frames: from nearly
+  /// the same place a match has nearly the same error again. 0: every frame, as published.
   float min_move = 0.04F;
   /// Distance between neighbouring seeds of one frame [px].
   int seed_spacing_px = 1;
@@ -127,7 +131,7 @@ struct Options {
   /// seed that has not converged is given up; 0: never.
   int max_age = 56;
   /// Consecutive frames met out of view after which a seed is given up; 0: never.
-  int max_unseen = 8;
+  int max_unseen = 5;
 
   // --- The cloud, when all frames are in; [VH11] leaves it as it is
   // ---------------------------------

@@ -42,6 +42,7 @@ TEST(OptionsTest, CheckNamesOptionAndValue) {
       {"max_seeds", [](Options* o) { o->max_seeds = 0; }},
       {"plant_every", [](Options* o) { o->plant_every = -1; }},
       {"min_move", [](Options* o) { o->min_move = -0.1F; }},
+      {"min_move", [](Options* o) { o->min_move = 1; }},
       {"seed_spacing_px", [](Options* o) { o->seed_spacing_px = 0; }},
       {"prior_a", [](Options* o) { o->prior_a = 0; }},
       {"prior_b", [](Options* o) { o->prior_b = std::nanf(""); }},

@@ -27,9 +27,9 @@ enum class Fate : std::uint8_t {
 
 /// The small counts that a seed carries.
 struct SeedCounts {
-  std::uint16_t age;    ///< Frames that told something, or had the parallax to do so.
+  std::uint16_t age;    ///< Frames met that told something, or had the parallax to do so.
   std::uint8_t views;   ///< Frames whose measurement agreed; saturates at 255.
-  std::uint8_t unseen;  ///< Consecutive frames out of view; saturates at 255.
+  std::uint8_t unseen;  ///< Frames met in a row that were out of view; saturates at 255.
 };
 
 /// Depth of a seed and its uncertainty, both along the unit bearing [scene].

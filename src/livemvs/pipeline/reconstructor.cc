@@ -106,7 +106,9 @@ std::vector<SeedGroup> Reconstructor::GroupsIn(
 void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.update_seconds);
   pool_.backend().SetFrame(pyramid_.levels());
-  const std::vector<ReferenceFrame> met = pool_.Meet(frame.cam_from_world, options_.min_move);
+  const auto levels = static_cast<int>(pyramid_.levels().size());
+  const std::vector<ReferenceFrame> met =
+      pool_.Meet(frame.cam_from_world, levels, static_cast<double>(options_.min_move));
   statistics_.updates += pool_.backend().Update(GroupsIn(frame, met), frame.camera.model);
 }
 

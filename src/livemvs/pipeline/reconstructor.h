@@ -33,7 +33,7 @@ struct ReconstructionStatistics {
   double collect_seconds = 0;
 };
 
-/// Algorithm 1 of [VH11]: a pool of seeds that every posed frame updates, and the points they turn
+/// Algorithm 1 of [VH11]: a pool of seeds that posed frames update, and the points they turn
 /// into. Independent of where frames, poses and viewers are. The result does not depend on the
 /// number of threads. Not thread-safe.
 class Reconstructor {

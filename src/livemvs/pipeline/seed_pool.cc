@@ -1,18 +1,6 @@
 #include "livemvs/pipeline/seed_pool.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 namespace livemvs {
-namespace {
-
-// The angle between two rotations [radians].
-double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return 2 * std::asin(std::min(1.0, (a - b).norm() / (2 * std::numbers::sqrt2)));
-}
-
-}  // namespace
 
 std::int64_t SeedPool::Plant(std::int64_t frame_index, const Planting& planting) {
   const std::size_t before = alive_;
@@ -20,30 +8,37 @@ std::int64_t SeedPool::Plant(std::int64_t frame_index, const Planting& planting)
   for (std::size_t l = planted.size(); l-- > 0;) {
     if (planted[l] == 0) continue;
     const int level = static_cast<int>(l);
-    references_.push_back({end_,
-                           end_ + planted[l],
-                           planted[l],
-                           frame_index,
-                           level,
-                           AtLevel(planting.frame.camera, level),
-                           planting.frame.cam_from_world,
-                           planting.frame.cam_from_world});
+    references_.push_back({.begin = end_,
+                           .end = end_ + planted[l],
+                           .alive = planted[l],
+                           .frame_index = frame_index,
+                           .level = level,
+                           .camera = AtLevel(planting.frame.camera, level),
+                           .cam_from_world = planting.frame.cam_from_world,
+                           .last_met_from = planting.frame.cam_from_world.Center()});
     end_ += planted[l];
     alive_ += planted[l];
   }
   return static_cast<std::int64_t>(alive_ - before);
 }
 
-std::vector<ReferenceFrame> SeedPool::Meet(const Rigid3d& cam_from_world, double min_move) {
+std::vector<ReferenceFrame> SeedPool::Meet(const Rigid3d& cam_from_world,
+                                           int levels,
+                                           double min_move) {
   const Eigen::Vector3d here = cam_from_world.Center();
   std::vector<ReferenceFrame> met;
   met.reserve(references_.size());
   for (ReferenceFrame& reference : references_) {
-    const double moved = (here - reference.last_met.Center()).norm();
+    const double moved = (here - reference.last_met_from).norm();
     const double baseline = (here - reference.cam_from_world.Center()).norm();
-    const double turn = AngleBetween(cam_from_world.rotation, reference.last_met.rotation);
-    if (min_move > 0 && moved <= min_move * baseline && turn <= min_move) continue;
-    reference.last_met = cam_from_world;
+    const bool due =
+        min_move == 0 || moved > min_move * baseline || reference.left_out >= kMostLeftOut;
+    if (!due || reference.level >= levels) {
+      ++reference.left_out;
+      continue;
+    }
+    reference.last_met_from = here;
+    reference.left_out = 0;
     met.push_back(reference);
   }
   return met;

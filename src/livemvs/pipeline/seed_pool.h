@@ -21,7 +21,8 @@ struct ReferenceFrame {
   int level;
   Camera camera;  ///< At that level.
   Rigid3d cam_from_world;
-  Rigid3d last_met;  ///< cam_from_world of the last frame that the seeds met; first, of their own.
+  Eigen::Vector3d last_met_from;  ///< Camera's centre in the last frame that the seeds met, or own.
+  int left_out = 0;               ///< Frames since then.
 };
 
 /// The M seeds of Algorithm 1, grouped by reference frame in order of birth. Their state is the
@@ -46,10 +47,10 @@ class SeedPool {
   /// of its pyramid, and returns how many in all.
   std::int64_t Plant(std::int64_t frame_index, const Planting& planting);
 
-  /// The reference frames whose seeds are to meet a frame with that pose (step 2), because the
-  /// camera has moved enough since the last that they met, see Options::min_move. The frame counts
-  /// as met.
-  std::vector<ReferenceFrame> Meet(const Rigid3d& cam_from_world, double min_move);
+  /// Gives the reference frames whose seeds are to meet (step 2) a frame with that pose, whose
+  /// pyramid has `levels` levels, and counts the frame as met by those and left out by the others:
+  /// see Options::min_move.
+  std::vector<ReferenceFrame> Meet(const Rigid3d& cam_from_world, int levels, double min_move);
 
   /// Calls f(reference, seed) for the seeds that ended, in order; their slots are free after the
   /// next Compact().

@@ -155,48 +155,59 @@ TEST_F(SeedPoolTest, EachLevelIsAGroupTheCoarsestFirst) {
   EXPECT_EQ(pool_.size(), 7U);
 }
 
-// A camera at (x, 0, 0) that looks ahead, turned about its vertical axis.
-Rigid3d CameraAt(double x, double turn = 0) {
+// A camera whose centre is at (x, 0, 0) and that looks somewhere.
+Rigid3d CameraAt(double x) {
   const Eigen::Matrix3d rotation =
-      Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitY()).toRotationMatrix();
+      Eigen::AngleAxisd(2, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   return {rotation, -(rotation * Eigen::Vector3d(x, 0, 0))};
 }
 
 TEST_F(SeedPoolTest, SeedsMeetFramesThatTheCameraMovedFor) {
   Plant(0, {1});
-  constexpr double kMinMove = 0.1;
   const struct {
-    double x, turn;
+    double x;
     bool meets;
     const char* why;
-  } frames[] = {{0, 0, false, "still at its own frame"},
-                {1, 0, true, "away from its own frame"},
-                {1.11, 0, false, "0.11 is less than a tenth of 1.11"},
-                {1.12, 0, true, "moved by 0.12 since 1"},
-                {1.12, 0, false, "rests"},
-                {1.12, 0.09, false, "turned by less than 0.1"},
-                {1.12, 0.11, true, "turned by more since it met one"},
-                {1.12, 0.15, false, "turned by 0.04 since"},
-                {1.12, 3.2, true, "turned by more than half a turn"},
-                {-0.5, 3.2, true, "on the other side"},
-                {-0.46, 3.2, false, "0.04 is less than a tenth of 0.46"},
-                {0, 3.2, true, "at its own place"}};
+  } frames[] = {{0, false, "still at its own frame"},
+                {1, true, "away from its own frame"},
+                {1.11, false, "0.11 is less than a tenth of 1.11"},
+                {1.12, true, "moved by 0.12 since 1"},
+                {1.12, false, "rests"},
+                {-0.5, true, "on the other side"},
+                {-0.46, false, "0.04 is less than a tenth of 0.46"},
+                {0, true, "back at its own place"}};
   for (const auto& f : frames) {
-    EXPECT_EQ(pool_.Meet(CameraAt(f.x, f.turn), kMinMove).size(), f.meets ? 1U : 0U) << f.why;
+    EXPECT_EQ(pool_.Meet(CameraAt(f.x), 1, 0.1).size(), f.meets ? 1U : 0U) << f.why;
+  }
+}
+
+TEST_F(SeedPoolTest, WhereTheCameraRestsSeedsMeetEveryEighthFrame) {
+  Plant(0, {1});
+  for (int frame = 1; frame <= 40; ++frame) {
+    EXPECT_EQ(pool_.Meet(CameraAt(0), 1, 0.1).size(), frame % (kMostLeftOut + 1) == 0 ? 1U : 0U)
+        << frame;
   }
 }
 
 TEST_F(SeedPoolTest, EachReferenceFrameMeetsByItsOwnBaseline) {
   Plant(0, {1});
-  pool_.Meet(CameraAt(1), 0.1);
+  pool_.Meet(CameraAt(1), 1, 0.1);
   backend().told = {2};
   pool_.Plant(1, {{scene_.camera, CameraAt(1)}, nullptr, {}, {}});
-  const std::vector<ReferenceFrame> met = pool_.Meet(CameraAt(1.05), 0.1);
+  const std::vector<ReferenceFrame> met = pool_.Meet(CameraAt(1.05), 1, 0.1);
   ASSERT_EQ(met.size(), 1U) << "0.05 is much for the second, and little for the first";
   EXPECT_EQ(met[0].frame_index, 1);
   EXPECT_EQ(met[0].begin, 1U);
   EXPECT_EQ(met[0].end, 3U);
-  EXPECT_EQ(pool_.Meet(CameraAt(1.05), 0).size(), 2U) << "0: every frame";
+  EXPECT_EQ(pool_.Meet(CameraAt(1.05), 1, 0).size(), 2U) << "0: every frame";
+}
+
+TEST_F(SeedPoolTest, APictureThatIsTooSmallForALevelIsNotMet) {
+  Plant(0, {1, 0, 1});
+  EXPECT_EQ(pool_.Meet(CameraAt(1), 1, 0.1).size(), 1U);
+  const std::vector<ReferenceFrame> met = pool_.Meet(CameraAt(1.01), 3, 0.1);
+  ASSERT_EQ(met.size(), 1U) << "what the small picture did not show counts for its level alone";
+  EXPECT_EQ(met[0].level, 2);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "livemvs/reference/algorithm1.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -67,13 +66,12 @@ double PatchVariance(const Seed& seed) {
   return variance;
 }
 
-// Whether the camera has moved enough since the last frame that the seed met (Options::min_move).
+// Whether a seed is to meet a frame with that pose (Options::min_move).
 bool Meets(const Options& options, const Seed& seed, const Rigid3d& cam_from_world) {
-  if (options.min_move == 0) return true;
-  const Rigid3d now_from_last = cam_from_world * seed.last_met.Inverse();
-  const Rigid3d now_from_own = cam_from_world * seed.cam_from_world.Inverse();
-  return now_from_last.translation.norm() > options.min_move * now_from_own.translation.norm() ||
-         Eigen::AngleAxisd(now_from_last.rotation).angle() > options.min_move;
+  if (options.min_move == 0 || seed.left_out > kMostLeftOut) return true;
+  const double moved = (cam_from_world * seed.last_met.Inverse()).translation.norm();
+  const double baseline = (cam_from_world * seed.cam_from_world.Inverse()).translation.norm();
+  return moved > options.min_move * baseline;
 }
 
 }  // namespace
@@ -137,9 +135,12 @@ std::size_t Algorithm1::AddFrame(const PosedFrame& frame) {
   const Meeting current = {
       frame.picture->grey.view(), Projector(frame.camera), frame.cam_from_world, false};
   for (Seed& seed : seeds_) {  // step 2
+    ++seed.left_out;
     if (!Meets(options_, seed, frame.cam_from_world)) continue;
     UpdateSeed(options_, current, &seed);
     seed.last_met = frame.cam_from_world;
+    seed.left_out = 0;
+    ++updates_;
   }
   for (const Seed& seed : seeds_) {  // steps 3 and 4
     if (seed.fate == Fate::kConverged) Convert(seed);

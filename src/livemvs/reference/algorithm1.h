@@ -15,7 +15,8 @@ namespace livemvs::reference {
 struct Seed {
   Camera camera;           ///< Of the reference frame.
   Rigid3d cam_from_world;  ///< Of the reference frame.
-  Rigid3d last_met;        ///< cam_from_world of the last frame that it met.
+  Rigid3d last_met;        ///< cam_from_world of the last frame that it met, or of its own.
+  int left_out = 0;        ///< Frames since then.
   double bearing_x = 0;    ///< The ray is (bearing_x, bearing_y, 1).
   double bearing_y = 0;
   Interval<double> interval{};
@@ -68,6 +69,8 @@ class Algorithm1 {
 
   const PointCloud& points() const { return points_; }
   const std::vector<Seed>& seeds() const { return seeds_; }
+  /// Meetings of a seed with a frame, so far.
+  std::int64_t updates() const { return updates_; }
 
  private:
   void Plant(const PosedFrame& frame);
@@ -77,6 +80,7 @@ class Algorithm1 {
   double near_;
   double far_;
   std::vector<Seed> seeds_;
+  std::int64_t updates_ = 0;
   PointCloud points_;
 };
 
