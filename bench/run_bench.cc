@@ -72,7 +72,8 @@ BENCHMARK(BM_EveryFrame)
     ->UseRealTime();
 
 void BM_Instructions(benchmark::State& state) {
-  constexpr const char* kNames[] = {"portable", "AVX2", "AVX-512", "AVX-512 VNNI"};
+  constexpr const char* kNames[] = {
+      "portable", "AVX2", "AVX-512", "AVX-512 VNNI", "AVX-512 VNNI gathers"};
   const char* name = kNames[state.range(0)];
   state.SetLabel(name);
   ::setenv(kInstructionsVariable, name, 1);
@@ -85,7 +86,7 @@ void BM_Instructions(benchmark::State& state) {
   }
   ::unsetenv(kInstructionsVariable);
 }
-BENCHMARK(BM_Instructions)->DenseRange(0, 3)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(BM_Instructions)->DenseRange(0, 4)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void BM_Seeds(benchmark::State& state) {
   Options options = EveryFrame();

@@ -111,7 +111,8 @@ class Backend {
 };
 
 /// An environment variable with the name of the instruction set to use, for tests and comparisons:
-/// "AVX-512 VNNI", "AVX-512", "AVX2" or "portable". Results are the same with all.
+/// "AVX-512 VNNI gathers", "AVX-512 VNNI", "AVX-512", "AVX2" or "portable". Results are the same
+/// with all.
 inline constexpr const char* kInstructionsVariable = "LIVEMVS_INSTRUCTIONS";
 
 /// The CPU backend, for the fastest instructions that the processor has. Options are copied.
