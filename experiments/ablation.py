@@ -44,6 +44,7 @@ ROWS = {
     "no-unseen": "max_unseen=0",
     "prior-10": "prior_a=10 prior_b=10",
     "every-frame": "min_move=0",
+    "move-0.05": "min_move=0.05",
     "move-0.1": "min_move=0.1",
     "plant-1": "plant_every=1",
     "plant-6": "plant_every=6",

@@ -54,7 +54,7 @@ struct Options {
   /// A seed meets a frame only if the camera has moved since the last that it met, by this share of
   /// its distance from the seed's own frame, or if it has left out kMostLeftOut frames: from nearly
   /// the same place a match has nearly the same error again. 0: every frame, as published.
-  float min_move = 0.04F;
+  float min_move = 0.02F;
   /// Distance between neighbouring seeds of one frame [px].
   int seed_spacing_px = 1;
   /// A pixel is given a seed only if no live seed and no point that was seen from a similar
@@ -73,8 +73,8 @@ struct Options {
 
   // --- The prior, [VH11] Sec. 4.2
   // ---------------------------------------------------------------------
-  float prior_a = 3;  ///< a_0
-  float prior_b = 3;  ///< b_0
+  float prior_a = 5;  ///< a_0
+  float prior_b = 5;  ///< b_0
   DepthCoordinate coordinate = DepthCoordinate::kInverseDepth;
 
   // --- The search, [VH11] Sec. 4.2
@@ -124,12 +124,12 @@ struct Options {
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
   /// level. At least one of the two must be positive.
-  float epsilon_px = 1.1F;
+  float epsilon_px = 1;
   /// Fewest measurements that agreed.
-  int min_views = 6;
+  int min_views = 8;
   /// Frames met that told something, or would have if the patch could be matched, after which a
   /// seed that has not converged is given up; 0: never.
-  int max_age = 56;
+  int max_age = 66;
   /// Consecutive frames met out of view after which a seed is given up; 0: never.
   int max_unseen = 5;
 
