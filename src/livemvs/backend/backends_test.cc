@@ -75,16 +75,30 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
     return planting;
   }
 
+  // A seed on every pixel, that ends with the first frame that tells it something.
+  static Options EndingAtOnce() {
+    Options ending = PlantingEvery(1);
+    ending.max_age = 1;
+    ending.min_views = 200;
+    return ending;
+  }
+
+  static UpdateStatistics Update(const PosedFrame& cur,
+                                 std::span<const SeedGroup> groups,
+                                 Backend* backend) {
+    const ImageView<std::uint8_t> pyramid[] = {cur.picture->grey.view()};
+    backend->SetFrame(pyramid);
+    return backend->Update(groups, cur.camera.model);
+  }
+
+  // All seeds, in two groups, of which the first does not end with a whole block.
   static UpdateStatistics Update(const PosedFrame& ref,
                                  const PosedFrame& cur,
                                  std::size_t seeds,
                                  Backend* backend) {
-    const ImageView<std::uint8_t> pyramid[] = {cur.picture->grey.view()};
-    backend->SetFrame(pyramid);
-    // Two groups, of which the first does not end with a whole block.
     const std::size_t middle = seeds / 3;
     const SeedGroup groups[] = {GroupOf(ref, cur, 0, middle), GroupOf(ref, cur, middle, seeds)};
-    return backend->Update(groups, cur.camera.model);
+    return Update(cur, groups, backend);
   }
 
   // Runs both backends over the frames, from the same seeds; the GPU's library rounds the arc
@@ -156,9 +170,7 @@ TEST_P(BackendTest, SeesThroughLensesAsTheOthersDo) {
 
 TEST_P(BackendTest, CountsEveryLivingSeedOnce) {
   const auto frames = PlaneScene().Render(SidewaysPath(3));
-  Options options = PlantingEvery(1);
-  options.max_age = 1;  // all end that tell something
-  options.min_views = 200;
+  const Options options = EndingAtOnce();
   const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), options);
   const std::size_t born = PlantAll(frames[0], backend.get());
   EXPECT_EQ(Update(frames[0], frames[1], born, backend.get()).total(),
@@ -171,23 +183,17 @@ TEST_P(BackendTest, CountsEveryLivingSeedOnce) {
 
 TEST_P(BackendTest, SeedsOfNoGroupStayAsTheyAre) {
   const auto frames = PlaneScene().Render(SidewaysPath(3));
-  Options options = PlantingEvery(1);
-  options.max_age = 1;  // all end that tell something
-  options.min_views = 200;
+  const Options options = EndingAtOnce();
   const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), options);
   const std::size_t born = PlantAll(frames[0], backend.get());
   const std::size_t first = born / 4, last = born / 2 + 3;
-  const auto update = [&](const PosedFrame& frame, std::span<const SeedGroup> groups) {
-    const ImageView<std::uint8_t> pyramid[] = {frame.picture->grey.view()};
-    backend->SetFrame(pyramid);
-    return backend->Update(groups, frame.camera.model);
-  };
   const std::vector<SeedState> before = backend->Read(0, born, 1);
-  EXPECT_EQ(update(frames[1], {}).total(), 0);
+  EXPECT_EQ(Update(frames[1], {}, backend.get()).total(), 0);
   EXPECT_TRUE(backend->TakeEnded().empty());
 
   const SeedGroup some[] = {GroupOf(frames[0], frames[1], first, last)};
-  EXPECT_EQ(update(frames[1], some).total(), static_cast<std::int64_t>(last - first));
+  EXPECT_EQ(Update(frames[1], some, backend.get()).total(),
+            static_cast<std::int64_t>(last - first));
   const std::vector<SeedState> after = backend->Read(0, born, 1);
   std::size_t other = 0;
   for (std::size_t i = 0; i < born; ++i) {
@@ -198,20 +204,19 @@ TEST_P(BackendTest, SeedsOfNoGroupStayAsTheyAre) {
   EXPECT_GT(other, (last - first) / 2);
 
   // Nobody took those that ended; a frame without groups does not lose them.
-  EXPECT_EQ(update(frames[2], {}).total(), 0);
+  EXPECT_EQ(Update(frames[2], {}, backend.get()).total(), 0);
   const std::size_t ended = backend->TakeEnded().size();
   EXPECT_GT(ended, (last - first) / 2);
   backend->Compact();
   const SeedGroup rest[] = {GroupOf(frames[0], frames[2], 0, born - ended)};
-  EXPECT_EQ(update(frames[2], rest).total(), static_cast<std::int64_t>(born - ended));
+  EXPECT_EQ(Update(frames[2], rest, backend.get()).total(),
+            static_cast<std::int64_t>(born - ended));
 }
 
 TEST_P(BackendTest, GivesEachEndedSeedOnceAndClosesGapsInOrder) {
   const auto frames = PlaneScene().Render(SidewaysPath(2));
-  Options options = PlantingEvery(1);
+  Options options = EndingAtOnce();
   options.max_seeds = 20'000;  // fewer than would fit the picture
-  options.max_age = 1;
-  options.min_views = 200;
   const std::unique_ptr<Backend> backend = MakeBackendOf(GetParam(), options);
   const std::size_t born = PlantAll(frames[0], backend.get());
   Update(frames[0], frames[1], born, backend.get());

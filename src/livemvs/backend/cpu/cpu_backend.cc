@@ -19,32 +19,21 @@
 
 namespace livemvs {
 
+// The kernel that kernels.cc makes for a target.
+#define LIVEMVS_DECLARE_KERNEL(target)                                               \
+  namespace target {                                                                 \
+  UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end); \
+  void Mark(const MarkJob& job, std::size_t begin, std::size_t end);                 \
+  }
 #if defined(__x86_64__)
-namespace avx512gathers {
-UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
-}  // namespace avx512gathers
-namespace avx512vnni {
-UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
-}  // namespace avx512vnni
-namespace avx512 {
-UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
-}  // namespace avx512
-namespace avx2 {
-UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
-}  // namespace avx2
+LIVEMVS_DECLARE_KERNEL(avx512gathers)
+LIVEMVS_DECLARE_KERNEL(avx512vnni)
+LIVEMVS_DECLARE_KERNEL(avx512)
+LIVEMVS_DECLARE_KERNEL(avx2)
 #endif
-namespace portable {
-UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
-}  // namespace portable
-namespace single {
-UpdateStatistics Update(const UpdateJob& job, std::size_t begin, std::size_t end);
-void Mark(const MarkJob& job, std::size_t begin, std::size_t end);
-}  // namespace single
+LIVEMVS_DECLARE_KERNEL(portable)
+LIVEMVS_DECLARE_KERNEL(single)
+#undef LIVEMVS_DECLARE_KERNEL
 
 #if defined(__x86_64__)
 namespace {
