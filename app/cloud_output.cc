@@ -27,7 +27,8 @@ nlohmann::json ReconstructionJson(const Options& options,
                     {{"outlier", s.rejected_outlier},
                      {"aged", s.rejected_aged},
                      {"unseen", s.rejected_unseen},
-                     {"left_interval", s.rejected_left_interval}}}};
+                     {"left_interval", s.rejected_left_interval},
+                     {"one_sided", s.rejected_one_sided}}}};
   json["updates"] = {
       {"total", s.updates.total()},
       {"matched", s.updates.matched},
@@ -71,6 +72,8 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s, const FinishedCloud& f
   } else if (s.updates.out_of_view > s.updates.total() / 2) {
     reason =
         "what one frame shows, the next do not: check the poses, their convention and the range";
+  } else if (s.rejected_one_sided > 0) {
+    reason = "only parts of the patches match where seeds converge: check poses and calibration";
   } else if (s.updates.mismatched > s.updates.matched) {
     reason = "patches are not found where the poses say: check poses, convention and calibration";
   }

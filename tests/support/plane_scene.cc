@@ -105,6 +105,7 @@ Options TestOptions() {
   o.cover_radius_px = 1;
   o.cover_angle_deg = 50;
   o.min_patch_stddev = 5;
+  o.max_texture_offset_px = 1.3F;
   o.prior_a = 10;
   o.prior_b = 10;
   o.coordinate = DepthCoordinate::kInverseDepth;
@@ -129,6 +130,7 @@ Options TestOptions() {
   o.epsilon_range = 0;
   o.epsilon_px = 1;
   o.min_views = 4;
+  o.min_side_ncc = 0.3F;
   o.max_age = 150;
   o.max_unseen = 15;
   o.threads = 1;

@@ -231,6 +231,8 @@ TEST_P(BackendTest, GivesEachEndedSeedOnceAndClosesGapsInOrder) {
   for (const EndedSeed& e : ended) {
     EXPECT_TRUE(SameNumbers(e.seed, before[e.slot]) && SameCounts(e.seed, before[e.slot]));
     EXPECT_NE(e.seed.fate, Fate::kAlive);
+    const std::uint8_t* patch = patches.data() + std::size_t{e.slot} * kPatchPixels;
+    EXPECT_TRUE(std::equal(patch, patch + kPatchPixels, std::begin(e.patch))) << e.slot;
     EXPECT_TRUE(gone.insert(e.slot).second);
   }
   for (std::size_t i = 0; i < before.size(); ++i) {

@@ -126,11 +126,12 @@ struct PlantView {
   double rotation[9];  ///< cam_from_world, row-major.
   double center[3];    ///< Of the camera, in the world.
   RangeBounds range;
-  float noise2;  ///< See NoiseVariance().
+  float noise2;      ///< See NoiseVariance().
+  float max_offset;  ///< Of the texture's centroid, see IsCentred() [px].
 };
 
-/// Makes the seed of a pixel; false where its patch cannot be matched, or its ray does not cross
-/// the scene's range.
+/// Makes the seed of a pixel; false where its patch cannot be matched, or its texture lies at its
+/// side, or its ray does not cross the scene's range.
 template <typename Model>
 LIVEMVS_DEVICE bool SeedAt(
     const Options& options, const PlantView& view, int x, int y, NewSeed* seed) {
@@ -138,6 +139,7 @@ LIVEMVS_DEVICE bool SeedAt(
   constexpr double kShortestInterval = 0.01;
   const std::uint8_t* center = &view.grey(x, y);
   if (!CanMatch(options, view.noise2, center, view.grey.stride)) return false;
+  if (!IsCentred(view.max_offset, view.noise2, center, view.grey.stride)) return false;
   double ray_x = 0, ray_y = 0;
   if (!UnprojectPixel<Model>(view.camera, x, y, &ray_x, &ray_y)) return false;
   const double norm = std::sqrt(ray_x * ray_x + ray_y * ray_y + 1);

@@ -68,6 +68,8 @@ PlantView MakePlantView(const Options& options,
   }
   view.range = BoundsOf(*planting.range);
   view.noise2 = NoiseVariance(options, level);
+  // On coarser levels seeds are few, and what is beside an edge has nothing else to tell of it.
+  view.max_offset = level == 0 ? options.max_texture_offset_px : 0;
   return view;
 }
 

@@ -21,6 +21,13 @@ LIVEMVS_HD inline SeedState StateOf(const SeedColumns& s, std::size_t i) {
           s.fate[i]};
 }
 
+/// Seed i, which has ended.
+LIVEMVS_HD inline EndedSeed EndOf(const SeedColumns& s, std::size_t i) {
+  EndedSeed ended = {static_cast<std::uint32_t>(i), StateOf(s, i), {}};
+  std::memcpy(ended.patch, s.patch + i * kPatchPixels, kPatchPixels);
+  return ended;
+}
+
 /// Lets a newborn seed begin in slot i with that posterior.
 LIVEMVS_HD inline void StartSeed(const SeedColumns& s,
                                  std::size_t i,

@@ -30,6 +30,7 @@ struct SeedState {
 struct EndedSeed {
   std::uint32_t slot;
   SeedState seed;
+  std::uint8_t patch[kPatchPixels];  ///< Row-major.
 };
 
 }  // namespace livemvs

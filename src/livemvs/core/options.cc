@@ -131,6 +131,7 @@ void Options::Check() const {
           "min_coarse_stddev",
           min_coarse_stddev,
           "0 ... 128");
+  Require(max_texture_offset_px >= 0, "max_texture_offset_px", max_texture_offset_px, "0 or more");
   Require(prior_a > 0 && prior_a < 1e4F, "prior_a", prior_a, "in (0, 10000)");
   Require(prior_b > 0 && prior_b < 1e4F, "prior_b", prior_b, "in (0, 10000)");
   Require(search_radius_px >= 1 && search_radius_px <= 1000,
@@ -167,6 +168,7 @@ void Options::Check() const {
           epsilon_px,
           "positive, or 0 with a positive epsilon_range");
   Require(min_views >= 0 && min_views <= 255, "min_views", min_views, "0 ... 255");
+  Require(min_side_ncc >= -1 && min_side_ncc < 1, "min_side_ncc", min_side_ncc, "in [-1, 1)");
   Require(max_age >= 0 && max_age < 65535, "max_age", max_age, "0 ... 65534");
   Require(max_unseen >= 0 && max_unseen < 255, "max_unseen", max_unseen, "0 ... 254");
   Require(regularise_px >= 0 && regularise_px <= 100, "regularise_px", regularise_px, "0 ... 100");
@@ -181,6 +183,7 @@ Options PaperOptions() {
   o.plant_every = 1;
   o.min_move = 0;
   o.min_patch_stddev = 0;
+  o.max_texture_offset_px = 0;
   o.prior_a = 10;
   o.prior_b = 10;
   o.coordinate = DepthCoordinate::kDepth;
@@ -203,6 +206,7 @@ Options PaperOptions() {
   o.epsilon_range = 0.002F;
   o.epsilon_px = 0;
   o.min_views = 0;
+  o.min_side_ncc = -1;
   o.max_age = 0;
   o.max_unseen = 0;
   o.regularise_px = 0;

@@ -66,6 +66,10 @@ struct Options {
   float min_patch_stddev = 10;
   /// ... and on the coarser levels, where averaging leaves less noise.
   float min_coarse_stddev = 2;
+  /// On the finest level, how far from its middle the centroid of a patch's texture may lie [px]:
+  /// beside an edge, what a patch tells is where the edge is, and a pixel that is nearer to it
+  /// tells the same. 0: anywhere, as published.
+  float max_texture_offset_px = 1.3F;
 
   /// How far beyond the scene's box surfaces are sought, so that points at its sides have
   /// neighbours [diagonals of the box]; 0: not, as published.
@@ -124,9 +128,12 @@ struct Options {
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
   /// level. At least one of the two must be positive.
-  float epsilon_px = 1;
+  float epsilon_px = 1.05F;
   /// Fewest measurements that agreed.
   int min_views = 8;
+  /// Least NCC score, in the frame in which a seed converges, of each half of its patch that has
+  /// texture: where a half does not match, it shows another surface. -1: not asked, as published.
+  float min_side_ncc = 0.3F;
   /// Frames met that told something, or would have if the patch could be matched, after which a
   /// seed that has not converged is given up; 0: never.
   int max_age = 66;
@@ -166,6 +173,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("cover_angle_deg", o.cover_angle_deg);
   visit("min_patch_stddev", o.min_patch_stddev);
   visit("min_coarse_stddev", o.min_coarse_stddev);
+  visit("max_texture_offset_px", o.max_texture_offset_px);
   visit("prior_a", o.prior_a);
   visit("prior_b", o.prior_b);
   visit("coordinate", o.coordinate);
@@ -190,6 +198,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("epsilon_range", o.epsilon_range);
   visit("epsilon_px", o.epsilon_px);
   visit("min_views", o.min_views);
+  visit("min_side_ncc", o.min_side_ncc);
   visit("max_age", o.max_age);
   visit("max_unseen", o.max_unseen);
   visit("regularise_px", o.regularise_px);

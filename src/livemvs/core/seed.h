@@ -22,6 +22,7 @@ enum class Fate : std::uint8_t {
   kAged,          ///< Told enough times, and still not converged.
   kUnseen,        ///< Out of view for too long.
   kLeftInterval,  ///< The posterior mean wandered off the ray's interval.
+  kOneSided,      ///< Converged, but a half of its patch does not match there (min_side_ncc).
   kRemoved        ///< Dealt with; its slot is free.
 };
 

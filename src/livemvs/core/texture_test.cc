@@ -79,5 +79,42 @@ TEST(Texture, PatchesMatchWhereTheNoiseIsLessThanTheirTexture) {
   EXPECT_FALSE(CanMatch(options, 1, CenterOf(picture), kStride));
 }
 
+// Black on one side of an edge before column `edge` of the patch, white on the other.
+Picture StepAt(int edge, double noise = 0) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal(0, noise > 0 ? noise : 1);
+  Picture picture{};
+  for (int i = 0; i < static_cast<int>(picture.size()); ++i) {
+    const double grey = (i % kStride < edge ? 60 : 160) + (noise > 0 ? normal(random) : 0);
+    picture[i] = static_cast<std::uint8_t>(std::lround(grey));
+  }
+  return picture;
+}
+
+TEST(Texture, IsCentredWhereItsCentroidIsNearTheMiddle) {
+  // Edges between the columns 0 and 1, ... lie 1.5 and 0.5 px from the middle.
+  const bool near[] = {false, true, true, false};
+  for (int edge = 1; edge < kPatchSize; ++edge) {
+    EXPECT_EQ(IsCentred(1, 4, CenterOf(StepAt(edge)), kStride), near[edge - 1]) << edge;
+    EXPECT_EQ(IsCentred(1, 4, CenterOf(StepAt(edge, 2)), kStride), near[edge - 1]) << edge;
+    EXPECT_TRUE(IsCentred(1.6F, 4, CenterOf(StepAt(edge)), kStride)) << edge;
+    EXPECT_TRUE(IsCentred(0, 4, CenterOf(StepAt(edge)), kStride)) << edge;
+  }
+  // Two edges balance each other, and nothing has no side.
+  Picture line = StepAt(1);
+  for (int i = 0; i < static_cast<int>(line.size()); ++i) {
+    if (i % kStride == kPatchSize - 1) line[i] = 60;
+  }
+  EXPECT_TRUE(IsCentred(0.1F, 4, CenterOf(line), kStride));
+  EXPECT_TRUE(IsCentred(0.1F, 4, CenterOf(StepAt(kStride)), kStride));
+}
+
+TEST(Texture, NoiseMovesNoCentroid) {
+  // Faint texture at one side: what is left of it is where it is, though noise is everywhere.
+  Picture picture = StepAt(kStride, 3);
+  for (int r = 0; r < kPatchSize; ++r) picture[r * kStride] = r % 2 ? 120 : 60;
+  EXPECT_FALSE(IsCentred(1.3F, 9, CenterOf(picture), kStride));
+}
+
 }  // namespace
 }  // namespace livemvs

@@ -10,6 +10,7 @@
 
 #include "livemvs/core/log.h"
 #include "livemvs/pipeline/seed_groups.h"
+#include "livemvs/pipeline/side_check.h"
 
 namespace livemvs {
 namespace {
@@ -115,7 +116,12 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.collect_seconds);
   const Projector projector(frame.camera);
-  pool_.TakeEnded([&](const ReferenceFrame& reference, const SeedState& seed) {
+  SideCheck sides(options_, frame, pyramid_.levels());
+  pool_.TakeEnded([&](const ReferenceFrame& reference, const EndedSeed& ended) {
+    SeedState seed = ended.seed;
+    if (seed.fate == Fate::kConverged && !sides.Passes(reference, ended)) {
+      seed.fate = Fate::kOneSided;
+    }
     switch (seed.fate) {
       case Fate::kAlive:
       case Fate::kRemoved:
@@ -134,6 +140,9 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
         break;
       case Fate::kLeftInterval:
         ++statistics_.rejected_left_interval;
+        break;
+      case Fate::kOneSided:
+        ++statistics_.rejected_one_sided;
         break;
     }
     if (observer_ != nullptr) observer_->OnSeed(RecordOf(reference, seed));

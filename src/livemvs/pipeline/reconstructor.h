@@ -27,6 +27,7 @@ struct ReconstructionStatistics {
   std::int64_t rejected_aged = 0;           ///< Not converged in time.
   std::int64_t rejected_unseen = 0;         ///< Out of view for too long.
   std::int64_t rejected_left_interval = 0;  ///< Wandered off the range.
+  std::int64_t rejected_one_sided = 0;      ///< A half of the patch did not match, see SideCheck.
   UpdateStatistics updates;
   double spawn_seconds = 0;
   double update_seconds = 0;

@@ -90,7 +90,8 @@ TEST(ReconstructorTest, EverySeedHasOneEnd) {
   EXPECT_EQ(s.seeds_converged, static_cast<std::int64_t>(r.points.size()));
   EXPECT_EQ(s.seeds_spawned,
             static_cast<std::int64_t>(r.live) + s.seeds_converged + s.rejected_outlier +
-                s.rejected_aged + s.rejected_unseen + s.rejected_left_interval);
+                s.rejected_aged + s.rejected_unseen + s.rejected_left_interval +
+                s.rejected_one_sided);
 }
 
 TEST(ReconstructorTest, MatchesTheReference) {

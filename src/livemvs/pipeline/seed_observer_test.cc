@@ -60,6 +60,7 @@ TEST(SeedObserver, HearsOfEverySeedOnce) {
   EXPECT_EQ(recorder.Count(Fate::kAged), s.rejected_aged);
   EXPECT_EQ(recorder.Count(Fate::kUnseen), s.rejected_unseen);
   EXPECT_EQ(recorder.Count(Fate::kLeftInterval), s.rejected_left_interval);
+  EXPECT_EQ(recorder.Count(Fate::kOneSided), s.rejected_one_sided);
   EXPECT_EQ(recorder.Count(Fate::kAlive), 0);
   reconstructor.ReportLiveSeeds();
   EXPECT_EQ(recorder.Count(Fate::kAlive), static_cast<std::int64_t>(reconstructor.live_seeds()));

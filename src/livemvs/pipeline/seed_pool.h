@@ -52,7 +52,7 @@ class SeedPool {
   /// see Options::min_move.
   std::vector<ReferenceFrame> Meet(const Rigid3d& cam_from_world, int levels, double min_move);
 
-  /// Calls f(reference, seed) for the seeds that ended, in order; their slots are free after the
+  /// Calls f(reference, ended) for the seeds that ended, in order; their slots are free after the
   /// next Compact().
   template <typename F>
   void TakeEnded(const F& f) {
@@ -61,7 +61,7 @@ class SeedPool {
       while (ended.slot >= reference->end) ++reference;
       --reference->alive;
       --alive_;
-      f(*reference, ended.seed);
+      f(*reference, ended);
     }
   }
 

@@ -71,9 +71,9 @@ class SeedPoolTest : public ::testing::Test {
 
   std::vector<std::pair<std::int64_t, int>> TakeEnded() {
     std::vector<std::pair<std::int64_t, int>> ended;
-    pool_.TakeEnded([&](const ReferenceFrame& reference, const SeedState& seed) {
-      EXPECT_EQ(seed.fate, Fate::kUnseen);
-      ended.emplace_back(reference.frame_index, static_cast<int>(seed.bearing_x));
+    pool_.TakeEnded([&](const ReferenceFrame& reference, const EndedSeed& e) {
+      EXPECT_EQ(e.seed.fate, Fate::kUnseen);
+      ended.emplace_back(reference.frame_index, static_cast<int>(e.seed.bearing_x));
     });
     return ended;
   }

@@ -66,6 +66,27 @@ double PatchVariance(const Seed& seed) {
   return variance;
 }
 
+// Distance from the patch's middle to the centroid of its squared gradient, taken between each four
+// pixels and less the share of the noise [px].
+double TextureOffset(const Options& options, const Seed& seed) {
+  const double noise2 = std::pow(options.image_noise, 2);
+  const auto grey = [&](int x, int y) {
+    return static_cast<double>(seed.patch[y * kPatchSize + x]);
+  };
+  double sum = 0;
+  Eigen::Vector2d moment(0, 0);
+  for (int y = 0; y + 1 < kPatchSize; ++y) {
+    for (int x = 0; x + 1 < kPatchSize; ++x) {
+      const double gx = (grey(x + 1, y) - grey(x, y) + grey(x + 1, y + 1) - grey(x, y + 1)) / 2;
+      const double gy = (grey(x, y + 1) - grey(x, y) + grey(x + 1, y + 1) - grey(x + 1, y)) / 2;
+      const double texture = std::max(gx * gx + gy * gy - 2 * noise2, 0.0);
+      sum += texture;
+      moment += texture * Eigen::Vector2d(x + 0.5 - kPatchRadius, y + 0.5 - kPatchRadius);
+    }
+  }
+  return sum > 0 ? moment.norm() / sum : 0;
+}
+
 // Whether a seed is to meet a frame with that pose (Options::min_move).
 bool Meets(const Options& options, const Seed& seed, const Rigid3d& cam_from_world) {
   if (options.min_move == 0 || seed.left_out > kMostLeftOut) return true;
@@ -143,7 +164,7 @@ std::size_t Algorithm1::AddFrame(const PosedFrame& frame) {
     ++updates_;
   }
   for (const Seed& seed : seeds_) {  // steps 3 and 4
-    if (seed.fate == Fate::kConverged) Convert(seed);
+    if (seed.fate == Fate::kConverged && SidesMatch(options_, seed, current)) Convert(seed);
   }
   std::erase_if(seeds_, [](const Seed& seed) { return seed.fate != Fate::kAlive; });
   Plant(frame);  // step 1, after the others: a seed tells nothing in the frame it was born in
@@ -158,7 +179,9 @@ void Algorithm1::Plant(const PosedFrame& frame) {
       if (static_cast<int>(seeds_.size()) >= options_.max_seeds) return;
       if (x % step != 0 || y % step != 0) continue;
       const Seed seed = MakeSeed(options_, frame, x, y, near_, far_);
-      if (std::sqrt(PatchVariance(seed)) >= options_.min_patch_stddev) seeds_.push_back(seed);
+      if (std::sqrt(PatchVariance(seed)) < options_.min_patch_stddev) continue;
+      const double most = options_.max_texture_offset_px;
+      if (most == 0 || TextureOffset(options_, seed) <= most) seeds_.push_back(seed);
     }
   }
 }

@@ -7,4 +7,9 @@ namespace livemvs::reference {
 /// Distance along the seed's unit bearing at the coordinate mu of its interval [scene].
 double DepthAt(const Options& options, const Seed& seed, double mu);
 
+/// Whether every half of the seed's patch that has texture matches where the posterior mean puts it
+/// (Options::min_side_ncc). The patch's pixels are projected one by one, on the plane at the mean's
+/// depth that faces the reference camera.
+bool SidesMatch(const Options& options, const Seed& seed, const Meeting& current);
+
 }  // namespace livemvs::reference

@@ -54,7 +54,7 @@ std::span<const EndedSeed> HostSeeds::TakeEnded() {
     i = SkipAlive(columns_.fate, i, end_);
     if (i == end_) break;
     if (columns_.fate[i] == Fate::kRemoved) continue;
-    ended_.push_back({static_cast<std::uint32_t>(i), StateOf(columns_, i)});
+    ended_.push_back(EndOf(columns_, i));
     columns_.fate[i] = Fate::kRemoved;
   }
   removed_ += ended_.size();

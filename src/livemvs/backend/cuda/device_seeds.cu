@@ -31,7 +31,7 @@ __global__ void GatherEnded(SeedColumns s,
   const std::size_t thread = ThreadNumber();
   if (thread >= n) return;
   const std::uint32_t slot = slots[thread];
-  out[thread] = {slot, StateOf(s, slot)};
+  out[thread] = EndOf(s, slot);
   s.fate[slot] = Fate::kRemoved;
 }
 
@@ -39,7 +39,7 @@ __global__ void GatherStates(
     SeedColumns s, std::size_t begin, std::size_t step, std::size_t n, EndedSeed* out) {
   const std::size_t thread = ThreadNumber();
   if (thread >= n) return;
-  out[thread] = {0, StateOf(s, begin + thread * step)};
+  out[thread] = {0, StateOf(s, begin + thread * step), {}};
 }
 
 __global__ void MoveSeeds(SeedColumns from,
