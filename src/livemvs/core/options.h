@@ -93,7 +93,7 @@ struct Options {
   /// Least NCC score of a match; -1 accepts any local maximum, as published.
   float min_ncc = 0.5F;
   /// A second local maximum scoring within this of the best makes the frame tell nothing; 0: never.
-  float ambiguity_ncc = 0.05F;
+  float ambiguity_ncc = 0.03F;
   /// Posterior's extent [-2 sigma, 2 sigma] projected [px] below which a frame can tell nothing.
   float min_parallax_px = 1;
   /// Rotation and scale between the patches beyond which the sampling grid follows them; 0: never.
@@ -123,12 +123,12 @@ struct Options {
   // -------------------------------------------------------------
   float eta_outlier = 0.4F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
   float outlier_certainty = 0.9F;  ///< ... this.
-  float eta_inlier = 0.62F;        ///< Converted when the mean inlier ratio exceeds this, and ...
+  float eta_inlier = 0.6F;         ///< Converted when the mean inlier ratio exceeds this, and ...
   /// ... epsilon: the standard deviation of depth is below this fraction of Z_max - Z_min, or ...
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
   /// level. At least one of the two must be positive.
-  float epsilon_px = 1.05F;
+  float epsilon_px = 1.04F;
   /// Fewest measurements that agreed.
   int min_views = 8;
   /// Least NCC score, in the frame in which a seed converges, of each half of its patch that has
