@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "livemvs/reference/matcher.h"
+#include "livemvs/reference/side_check.h"
 
 namespace livemvs {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "livemvs/reference/matcher.h"
 #include "livemvs/reference/posterior.h"
+#include "livemvs/reference/side_check.h"
 
 namespace livemvs::reference {
 namespace {

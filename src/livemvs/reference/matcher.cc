@@ -102,13 +102,6 @@ Grid GridOf(const Options& options, const Seed& seed, const Meeting& current) {
   return {right, {-right.y(), right.x()}, scale};
 }
 
-double Bilinear(const ImageView<std::uint8_t>& image, const Vector2d& p) {
-  const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
-  const double fx = p.x() - x, fy = p.y() - y;
-  return (1 - fx) * (1 - fy) * image(x, y) + fx * (1 - fy) * image(x + 1, y) +
-         (1 - fx) * fy * image(x, y + 1) + fx * fy * image(x + 1, y + 1);
-}
-
 // NCC from its definition: means first, then the sums of products.
 double Ncc(const Seed& seed, const Meeting& current, const Grid& grid, const Vector2d& center) {
   std::array<double, kPatchPixels> w{};
@@ -208,6 +201,13 @@ struct Peaks {
 
 }  // namespace
 
+double Bilinear(const ImageView<std::uint8_t>& image, const Vector2d& p) {
+  const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
+  const double fx = p.x() - x, fy = p.y() - y;
+  return (1 - fx) * (1 - fy) * image(x, y) + fx * (1 - fy) * image(x + 1, y) +
+         (1 - fx) * fy * image(x, y + 1) + fx * fy * image(x + 1, y + 1);
+}
+
 double DepthAt(const Options& options, const Seed& seed, double mu) {
   const double c = seed.interval.c0 + mu * (seed.interval.c1 - seed.interval.c0);
   return options.coordinate == DepthCoordinate::kDepth ? c : 1 / c;
@@ -293,66 +293,6 @@ Match FindMatch(const Options& options, const Seed& seed, const Meeting& current
     match.u = 1 / std::clamp(line.MuAt(last - 0.5) - line.MuAt(first + 0.5), 1e-6, 1.0);
   }
   return match;
-}
-
-namespace {
-
-// What the current picture shows at the places of the patch's pixels; none where one is outside.
-std::optional<std::array<double, kPatchPixels>> WindowOf(const Options& options,
-                                                         const Seed& seed,
-                                                         const Meeting& current) {
-  const Projector ref(seed.camera);
-  const Eigen::Vector3d ray(seed.bearing_x, seed.bearing_y, 1);
-  const auto center = ref.Project(ray);
-  if (!center) return std::nullopt;
-  const double z = DepthAt(options, seed, seed.posterior.mu) / ray.norm();
-  std::array<double, kPatchPixels> window{};
-  for (int i = 0; i < kPatchPixels; ++i) {
-    const Vector2d step(i % kPatchSize - kPatchRadius, i / kPatchSize - kPatchRadius);
-    const auto beside = ref.Unproject(*center + step);
-    if (!beside) return std::nullopt;
-    const Eigen::Vector3d world = seed.cam_from_world.Inverse() * Eigen::Vector3d(*beside * z);
-    const auto pixel = current.projector.Project(current.cam_from_world * world);
-    if (!pixel || !current.projector.camera().Contains(*pixel, 1)) return std::nullopt;
-    window[i] = Bilinear(current.image, *pixel);
-  }
-  return window;
-}
-
-// NCC over the pixels for which `inside` holds; 1 where the patch varies too little there.
-template <typename Inside>
-double NccWhere(const Seed& seed,
-                const std::array<double, kPatchPixels>& window,
-                double least_variance,
-                const Inside& inside) {
-  std::vector<double> p, w;
-  for (int i = 0; i < kPatchPixels; ++i) {
-    if (!inside(i % kPatchSize - kPatchRadius, i / kPatchSize - kPatchRadius)) continue;
-    p.push_back(seed.patch[i]);
-    w.push_back(window[i]);
-  }
-  Eigen::Map<Eigen::ArrayXd> patch(p.data(), static_cast<int>(p.size()));
-  Eigen::Map<Eigen::ArrayXd> other(w.data(), static_cast<int>(w.size()));
-  patch -= patch.mean();
-  other -= other.mean();
-  if (!(patch.square().mean() > least_variance)) return 1;
-  const double window_variance = std::max(other.square().mean(), 0.5);
-  return (patch * other).mean() / std::sqrt(patch.square().mean() * window_variance);
-}
-
-}  // namespace
-
-bool SidesMatch(const Options& options, const Seed& seed, const Meeting& current) {
-  if (options.min_side_ncc <= -1) return true;
-  const auto window = WindowOf(options, seed, current);
-  if (!window) return true;
-  const double noise = std::ldexp(options.image_noise, -current.level);
-  const double least_variance = std::max(8 * noise * noise, 0.5);
-  const auto matches = [&](const auto& inside) {
-    return NccWhere(seed, *window, least_variance, inside) >= options.min_side_ncc;
-  };
-  return matches([](int x, int) { return x <= 0; }) && matches([](int x, int) { return x >= 0; }) &&
-         matches([](int, int y) { return y <= 0; }) && matches([](int, int y) { return y >= 0; });
 }
 
 }  // namespace livemvs::reference

@@ -7,9 +7,7 @@ namespace livemvs::reference {
 /// Distance along the seed's unit bearing at the coordinate mu of its interval [scene].
 double DepthAt(const Options& options, const Seed& seed, double mu);
 
-/// Whether every half of the seed's patch that has texture matches where the posterior mean puts it
-/// (Options::min_side_ncc). The patch's pixels are projected one by one, on the plane at the mean's
-/// depth that faces the reference camera.
-bool SidesMatch(const Options& options, const Seed& seed, const Meeting& current);
+/// The grey level between four pixels, of which none may be outside.
+double Bilinear(const ImageView<std::uint8_t>& image, const Eigen::Vector2d& p);
 
 }  // namespace livemvs::reference
