@@ -72,10 +72,10 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s, const FinishedCloud& f
   } else if (s.updates.out_of_view > s.updates.total() / 2) {
     reason =
         "what one frame shows, the next do not: check the poses, their convention and the range";
-  } else if (s.rejected_one_sided > 0) {
-    reason = "only parts of the patches match where seeds converge: check poses and calibration";
   } else if (s.updates.mismatched > s.updates.matched) {
     reason = "patches are not found where the poses say: check poses, convention and calibration";
+  } else if (s.rejected_one_sided > 0) {
+    reason = "only parts of the patches match where seeds converge: check poses and calibration";
   }
   LogWarning("no point converged; likely because: " + reason);
 }

@@ -131,7 +131,10 @@ void Options::Check() const {
           "min_coarse_stddev",
           min_coarse_stddev,
           "0 ... 128");
-  Require(max_texture_offset_px >= 0, "max_texture_offset_px", max_texture_offset_px, "0 or more");
+  Require(max_texture_offset_px >= 0 && max_texture_offset_px <= 3,
+          "max_texture_offset_px",
+          max_texture_offset_px,
+          "0 ... 3");
   Require(prior_a > 0 && prior_a < 1e4F, "prior_a", prior_a, "in (0, 10000)");
   Require(prior_b > 0 && prior_b < 1e4F, "prior_b", prior_b, "in (0, 10000)");
   Require(search_radius_px >= 1 && search_radius_px <= 1000,

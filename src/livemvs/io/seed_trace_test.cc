@@ -55,6 +55,27 @@ class SeedTraceTest : public MediaTest {
   }
 };
 
+TEST_F(SeedTraceTest, FatesHaveTheNumbersOfTheFormat) {
+  constexpr std::size_t kFate = 26;
+  const Fate fates[] = {Fate::kAlive,
+                        Fate::kConverged,
+                        Fate::kOutlier,
+                        Fate::kAged,
+                        Fate::kUnseen,
+                        Fate::kLeftInterval,
+                        Fate::kOneSided};
+  SeedTraceWriter writer(folder_ / "fates.trace");
+  for (const Fate fate : fates) writer.Write({.fate = fate, .depth = 1});
+  writer.Finish();
+  const std::string bytes = ReadBytes(folder_ / "fates.trace");
+  const std::vector<SeedRecord> read = ReadSeedTrace(folder_ / "fates.trace");
+  ASSERT_EQ(read.size(), std::size(fates));
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(bytes[kHeader + i * kRecord + kFate], static_cast<char>(i));
+    EXPECT_EQ(read[i].fate, fates[i]);
+  }
+}
+
 TEST_F(SeedTraceTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(Bytes().size(), kHeader + 3 * kRecord);
   const std::vector<SeedRecord> read = ReadSeedTrace(folder_ / "good.trace");

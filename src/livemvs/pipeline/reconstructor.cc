@@ -116,7 +116,7 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.collect_seconds);
   const Projector projector(frame.camera);
-  SideCheck sides(options_, frame, pyramid_.levels());
+  const SideCheck sides(options_, frame.cam_from_world, projector, pyramid_.levels());
   pool_.TakeEnded([&](const ReferenceFrame& reference, const EndedSeed& ended) {
     SeedState seed = ended.seed;
     if (seed.fate == Fate::kConverged && !sides.Passes(reference, ended)) {

@@ -1,9 +1,10 @@
 #include "livemvs/pipeline/side_check.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "livemvs/core/epipolar.h"
 #include "livemvs/core/texture.h"
 
 namespace livemvs {
@@ -49,28 +50,58 @@ float NccOf(const Sums& first, const Sums& second, const Sums& third, float leas
   return covariance / std::sqrt(patch_variance * std::max(window_variance, kLeastVariance));
 }
 
-// The grey levels of a patch that is turned and scaled: a step to the right is (ux, uy), one down
-// (-uy, ux). Nothing where a part of it is outside.
-std::optional<PatchValues> Sample(
-    const ImageView<std::uint8_t>& image, float x, float y, float ux, float uy) {
-  constexpr float kRadius = kPatchRadius;
-  const float reach = kRadius * (std::abs(ux) + std::abs(uy));
-  const bool inside = x - reach >= 0 && y - reach >= 0 &&
-                      x + reach < static_cast<float>(image.width - 1) &&
-                      y + reach < static_cast<float>(image.height - 1);
-  if (!inside) return std::nullopt;
+// Where a patch lies in a picture, at a level of its pyramid [px].
+struct Grid {
+  Eigen::Vector2d center;
+  Eigen::Vector2d right, down;  // steps per pixel of the patch
+};
+
+// Nothing where a part of the patch is behind the camera or out of the lens model's range.
+std::optional<Grid> GridOf(const ReferenceFrame& reference,
+                           const Rigid3d& cam_from_world,
+                           const Projector& projector,
+                           double bx,
+                           double by,
+                           double z_depth) {
+  const Camera& camera = reference.camera;
+  const auto lens = VisitModel(camera.model, [&](auto model) {
+    return decltype(model)::template Distort<double>(camera.distortion.data(), bx, by);
+  });
+  Eigen::Matrix2d pixel_from_bearing;
+  pixel_from_bearing << camera.fx * lens.xx, camera.fx * lens.xy, camera.fy * lens.yx,
+      camera.fy * lens.yy;
+  const Eigen::Matrix2d bearing_from_pixel = pixel_from_bearing.inverse();
+  const Rigid3d cur_from_ref = cam_from_world * reference.cam_from_world.Inverse();
+  const auto project = [&](const Eigen::Vector2d& step) {
+    const Eigen::Vector2d bearing = Eigen::Vector2d(bx, by) + bearing_from_pixel * step;
+    return projector.Project(
+        cur_from_ref * Eigen::Vector3d(z_depth * bearing.x(), z_depth * bearing.y(), z_depth));
+  };
+  const auto center = project({0, 0}), right = project({1, 0}), below = project({0, 1});
+  if (!center || !right || !below) return std::nullopt;
+  const double scale = std::ldexp(1.0, -reference.level);  // see AtLevel()
+  const Eigen::Vector2d half(0.5, 0.5);
+  return Grid{
+      scale * (*center + half) - half, scale * (*right - *center), scale * (*below - *center)};
+}
+
+// Nothing where a sample lies less than a pixel from the border, or outside.
+std::optional<PatchValues> Sample(const ImageView<std::uint8_t>& image, const Grid& grid) {
+  const Eigen::Array2d reach = kPatchRadius * (grid.right.array().abs() + grid.down.array().abs());
+  const Eigen::Array2d center = grid.center.array();
+  const Eigen::Array2d last(image.width - 2, image.height - 2);
+  if (!((center - reach >= 1).all() && (center + reach <= last).all())) return std::nullopt;
   PatchValues values;
   for (int k = 0; k < kPatchPixels; ++k) {
-    const auto i = static_cast<float>(k % kPatchSize - kPatchRadius);
-    const auto j = static_cast<float>(k / kPatchSize - kPatchRadius);
-    const float u = x + i * ux - j * uy, v = y + i * uy + j * ux;
-    const int column = static_cast<int>(u), row = static_cast<int>(v);
-    const float fx = u - static_cast<float>(column), fy = v - static_cast<float>(row);
-    const std::uint8_t* at = &image(column, row);
-    const std::uint8_t* below = at + image.stride;
-    const float upper = at[0] + fx * static_cast<float>(at[1] - at[0]);
-    const float lower = below[0] + fx * static_cast<float>(below[1] - below[0]);
-    values[k] = upper + fy * (lower - upper);
+    const Eigen::Vector2d at = grid.center + (k % kPatchSize - kPatchRadius) * grid.right +
+                               (k / kPatchSize - kPatchRadius) * grid.down;
+    const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
+    const auto fx = static_cast<float>(at.x() - column), fy = static_cast<float>(at.y() - row);
+    const std::uint8_t* upper = &image(column, row);
+    const std::uint8_t* lower = upper + image.stride;
+    const float above = upper[0] + fx * static_cast<float>(upper[1] - upper[0]);
+    const float below = lower[0] + fx * static_cast<float>(lower[1] - lower[0]);
+    values[k] = above + fy * (below - above);
   }
   return values;
 }
@@ -95,44 +126,16 @@ float LeastSideNcc(const PatchValues& patch, const PatchValues& window, float no
   return least;
 }
 
-SideCheck::SideCheck(const Options& options,
-                     const PosedFrame& frame,
-                     std::span<const ImageView<std::uint8_t>> pyramid)
-    : options_(options), cam_from_world_(frame.cam_from_world), pyramid_(pyramid) {
-  for (std::size_t level = 0; level < pyramid.size(); ++level) {
-    cameras_.push_back(AtLevel(frame.camera, static_cast<int>(level)));
-    params_.push_back(MakeCameraParams<float>(cameras_.back()));
-  }
-}
-
-const RelativeView<float>& SideCheck::ViewFrom(const ReferenceFrame& reference) {
-  if (!view_ || viewed_from_ != reference.begin) {
-    viewed_from_ = reference.begin;
-    view_ = MakeRelativeView(reference.camera,
-                             reference.cam_from_world,
-                             cameras_[reference.level],
-                             params_[reference.level],
-                             cam_from_world_);
-  }
-  return *view_;
-}
-
-bool SideCheck::Passes(const ReferenceFrame& reference, const EndedSeed& ended) {
+bool SideCheck::Passes(const ReferenceFrame& reference, const EndedSeed& ended) const {
   if (options_.min_side_ncc <= -1) return true;
   const SeedState& seed = ended.seed;
-  const RelativeView<float>& view = ViewFrom(reference);
-  const Projection<float> p = VisitModel(cameras_[reference.level].model, [&](auto model) {
-    return ProjectSeed<decltype(model)>(view,
-                                        options_.coordinate,
-                                        seed.interval,
-                                        seed.bearing_x,
-                                        seed.bearing_y,
-                                        seed.posterior.mu);
-  });
-  if (!p.visible) return true;
-  const float scale = std::clamp(p.scale, 0.25F, 4.0F);  // as when it was matched
-  const auto window =
-      Sample(pyramid_[reference.level], p.x, p.y, scale * view.roll_cos, scale * view.roll_sin);
+  const double bx = seed.bearing_x, by = seed.bearing_y;
+  const auto depth = static_cast<double>(
+      DepthOf<float>(options_.coordinate, seed.interval, seed.posterior.mu, 0).depth);
+  const double z_depth = depth / std::sqrt(bx * bx + by * by + 1);
+  const auto grid = GridOf(reference, cam_from_world_, projector_, bx, by, z_depth);
+  if (!grid) return true;
+  const auto window = Sample(pyramid_[reference.level], *grid);
   if (!window) return true;
   PatchValues patch;
   std::copy(std::begin(ended.patch), std::end(ended.patch), patch.begin());

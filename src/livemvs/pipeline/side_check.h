@@ -2,14 +2,13 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "livemvs/backend/seed_state.h"
-#include "livemvs/core/frame.h"
+#include "livemvs/core/camera.h"
 #include "livemvs/core/image.h"
 #include "livemvs/core/options.h"
+#include "livemvs/core/pose.h"
 #include "livemvs/pipeline/seed_pool.h"
 
 namespace livemvs {
@@ -21,7 +20,7 @@ using PatchValues = std::array<float, kPatchPixels>;
 /// patch's middle column and the two at one side of it, or its middle row and two.
 /// @param window  What another picture has at the places of the patch's pixels.
 /// @param noise2  Variance of the noise of a pixel [grey levels²]: more than eight times that is
-///                texture.
+///                texture, but not less than 1/2.
 float LeastSideNcc(const PatchValues& patch, const PatchValues& window, float noise2);
 
 /// Whether seeds that converged in a frame may become points (Options::min_side_ncc). At a jump in
@@ -29,24 +28,27 @@ float LeastSideNcc(const PatchValues& patch, const PatchValues& window, float no
 /// farther one: the patch as a whole matches, but not its other half, which sees something else.
 class SideCheck {
  public:
-  /// Looks at the frame's pyramid, which must be there as long as this is; options are copied.
+  /// @param projector  Of the frame's camera, at level 0. What is referred to must be there as long
+  ///                   as this is.
   SideCheck(const Options& options,
-            const PosedFrame& frame,
-            std::span<const ImageView<std::uint8_t>> pyramid);
+            const Rigid3d& cam_from_world,
+            const Projector& projector,
+            std::span<const ImageView<std::uint8_t>> pyramid)
+      : options_(options),
+        cam_from_world_(cam_from_world),
+        projector_(projector),
+        pyramid_(pyramid) {}
 
-  /// True also where the patch's place is not all in the picture.
-  bool Passes(const ReferenceFrame& reference, const EndedSeed& seed);
+  /// The patch is sampled where its plane, at the posterior mean and facing the reference camera,
+  /// appears: to first order, so that it follows roll, scale and lens. True also where it is not
+  /// all in the picture, a pixel from the border.
+  bool Passes(const ReferenceFrame& reference, const EndedSeed& ended) const;
 
  private:
-  const RelativeView<float>& ViewFrom(const ReferenceFrame& reference);
-
-  Options options_;
-  Rigid3d cam_from_world_;
+  const Options& options_;
+  const Rigid3d& cam_from_world_;
+  const Projector& projector_;
   std::span<const ImageView<std::uint8_t>> pyramid_;
-  std::vector<Camera> cameras_;  // of the frame, by level
-  std::vector<CameraParams<float>> params_;
-  std::size_t viewed_from_ = 0;  // `begin` of the reference frame that view_ is for
-  std::optional<RelativeView<float>> view_;
 };
 
 }  // namespace livemvs

@@ -4,14 +4,18 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <random>
+#include <string>
 #include <vector>
 
+#include "livemvs/pipeline/pyramid.h"
 #include "livemvs/reference/side_check.h"
+#include "plane_scene.h"
 
 namespace livemvs {
 namespace {
@@ -73,6 +77,17 @@ TEST(LeastSideNcc, AsksHalvesThatHaveTextureOnly) {
   EXPECT_NEAR(LeastSideNcc(patch, plain, 4), 0, 1e-5) << "a plain window matches nothing";
 }
 
+ReferenceFrame ReferenceOf(const PosedFrame& frame, int level) {
+  return {0,
+          1,
+          1,
+          frame.index,
+          level,
+          AtLevel(frame.camera, level),
+          frame.cam_from_world,
+          Eigen::Vector3d::Zero()};
+}
+
 // A camera moves to the left before two textured planes that face it: the left part of the picture
 // moves by kNear pixels from the first frame to the second, the right part by kFar.
 class TwoPlanes {
@@ -106,10 +121,9 @@ class TwoPlanes {
 
   bool Passes(const EndedSeed& seed, const Options& options = Options()) const {
     const ImageView<std::uint8_t> level = frames_[1].picture->grey.view();
-    const PosedFrame& ref = frames_[0];
-    SideCheck check(options, frames_[1], {&level, 1});
-    return check.Passes({0, 1, 1, 0, 0, ref.camera, ref.cam_from_world, Eigen::Vector3d::Zero()},
-                        seed);
+    const Projector projector(frames_[1].camera);
+    const SideCheck check(options, frames_[1].cam_from_world, projector, {&level, 1});
+    return check.Passes(ReferenceOf(frames_[0], 0), seed);
   }
 
   bool ReferencePasses(const EndedSeed& ended, const Options& options = Options()) const {
@@ -201,6 +215,153 @@ TEST(SideCheck, AsksNothingWhereItIsOffOrCannotSee) {
   EXPECT_TRUE(scene.ReferencePasses(beyond, off));
   // Its patch would reach beyond the picture's right side.
   EXPECT_TRUE(scene.Passes(scene.NearSeed(71, 30)));
+}
+
+// Two frames of the textured plane, and seeds of the first with depths that are known.
+class PlaneViews {
+ public:
+  PlaneViews(const Camera& camera, const Rigid3d& pose, const Options& options, int level)
+      : options_(options), level_(level) {
+    scene_.camera = camera;
+    for (int i = 0; i < 2; ++i) {
+      frames_[i] = scene_.Render(i == 0 ? Rigid3d{} : pose, i);
+      pyramids_[i].Build(frames_[i].picture->grey, level + 1);
+    }
+  }
+
+  // The seed of a pixel of the level, at `factor` times the plane's depth.
+  EndedSeed SeedAt(int x, int y, double factor) const {
+    const ReferenceFrame reference = ReferenceOf(frames_[0], level_);
+    const Eigen::Vector3d ray = *Projector(reference.camera).Unproject(Eigen::Vector2d(x, y));
+    // z = 1 + 0.3 x + 0.2 y, the first camera at the origin.
+    const double z = factor / (1 - 0.3 * ray.x() - 0.2 * ray.y());
+    const auto along = static_cast<float>(z * ray.norm());
+    EndedSeed ended = {};
+    SeedState& seed = ended.seed;
+    seed.bearing_x = static_cast<float>(ray.x());
+    seed.bearing_y = static_cast<float>(ray.y());
+    const bool depth = options_.coordinate == DepthCoordinate::kDepth;
+    const float near = 0.4F, far = 3, c = depth ? along : 1 / along;
+    seed.interval = depth ? Interval<float>{near, far} : Interval<float>{1 / near, 1 / far};
+    seed.posterior.mu = (c - seed.interval.c0) / (seed.interval.c1 - seed.interval.c0);
+    const ImageView<std::uint8_t>& grey = pyramids_[0].levels()[level_];
+    for (int k = 0; k < kPatchPixels; ++k) {
+      ended.patch[k] = grey(x + k % kPatchSize - kPatchRadius, y + k / kPatchSize - kPatchRadius);
+    }
+    return ended;
+  }
+
+  bool Passes(const EndedSeed& ended) const {
+    const Projector projector(frames_[1].camera);
+    const SideCheck check(options_, frames_[1].cam_from_world, projector, pyramids_[1].levels());
+    return check.Passes(ReferenceOf(frames_[0], level_), ended);
+  }
+
+  bool ReferencePasses(const EndedSeed& ended) const {
+    reference::Seed seed;
+    seed.camera = AtLevel(frames_[0].camera, level_);
+    seed.bearing_x = ended.seed.bearing_x;
+    seed.bearing_y = ended.seed.bearing_y;
+    seed.interval = {ended.seed.interval.c0, ended.seed.interval.c1};
+    seed.posterior.mu = ended.seed.posterior.mu;
+    std::copy(std::begin(ended.patch), std::end(ended.patch), seed.patch.begin());
+    return SidesMatch(options_,
+                      seed,
+                      {pyramids_[1].levels()[level_],
+                       Projector(AtLevel(frames_[1].camera, level_)),
+                       frames_[1].cam_from_world,
+                       true,
+                       level_});
+  }
+
+ private:
+  Options options_;
+  int level_;
+  testing_support::PlaneScene scene_;
+  std::array<PosedFrame, 2> frames_;
+  std::array<Pyramid, 2> pyramids_;
+};
+
+struct ViewCase {
+  const char* name;
+  CameraModel model = CameraModel::kPinhole;
+  std::array<double, 8> distortion{};
+  double roll_deg = 0;
+  double nearer = 0;  // [scene], of 1
+  int level = 0;
+  bool mirrored = false;
+  DepthCoordinate coordinate = DepthCoordinate::kInverseDepth;
+};
+
+class SideCheckViews : public testing::TestWithParam<ViewCase> {};
+
+TEST_P(SideCheckViews, FindsThePatchAndAgreesWithTheReference) {
+  const ViewCase& c = GetParam();
+  const int size = 1 << c.level;
+  const double fy = (c.mirrored ? -1 : 1) * 192.0 * size;
+  const Camera camera = {
+      c.model, 200 * size, 150 * size, 190.0 * size, fy, 98.5 * size, 76.25 * size, c.distortion};
+  const Eigen::Matrix3d rotation =
+      Eigen::AngleAxisd(c.roll_deg * M_PI / 180, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Rigid3d pose = {rotation, -(rotation * Eigen::Vector3d(0.07, 0.03, c.nearer))};
+  Options options;
+  options.coordinate = c.coordinate;
+  const PlaneViews views(camera, pose, options, c.level);
+  int all = 0, pass = 0, pass_elsewhere = 0, agree = 0;
+  for (int y = 40; y < 110; y += 3) {
+    for (int x = 50; x < 150; x += 3) {
+      const EndedSeed right = views.SeedAt(x, y, 1), wrong = views.SeedAt(x, y, 1.4);
+      pass += views.Passes(right);
+      pass_elsewhere += views.Passes(wrong);
+      agree += (views.Passes(right) == views.ReferencePasses(right)) +
+               (views.Passes(wrong) == views.ReferencePasses(wrong));
+      ++all;
+    }
+  }
+  EXPECT_GT(pass, 0.95 * all);
+  EXPECT_LT(pass_elsewhere, 0.3 * all);
+  EXPECT_GE(agree, 2 * 0.99 * all);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All,
+    SideCheckViews,
+    testing::Values(ViewCase{.name = "Sideways"},
+                    ViewCase{.name = "Rolled", .roll_deg = 30},
+                    ViewCase{.name = "RolledBack", .roll_deg = -30},
+                    ViewCase{.name = "Nearer", .roll_deg = 10, .nearer = 0.3},
+                    ViewCase{.name = "Further", .roll_deg = -20, .nearer = -0.3},
+                    ViewCase{.name = "Mirrored", .roll_deg = 25, .mirrored = true},
+                    ViewCase{.name = "Level1", .roll_deg = 15, .nearer = 0.1, .level = 1},
+                    ViewCase{.name = "Level2", .roll_deg = 15, .nearer = 0.1, .level = 2},
+                    ViewCase{
+                        .name = "Depth", .roll_deg = 15, .coordinate = DepthCoordinate::kDepth},
+                    ViewCase{.name = "Barrel",
+                             .model = CameraModel::kBrownConrady,
+                             .distortion = {-0.3, 0.1, 0.002, -0.001},
+                             .roll_deg = 20},
+                    ViewCase{.name = "Fisheye",
+                             .model = CameraModel::kKannalaBrandt,
+                             .distortion = {-0.05, 0.01},
+                             .roll_deg = 20}),
+    [](const auto& view) { return std::string(view.param.name); });
+
+TEST(SideCheck, JudgesNothingAtTheBorder) {
+  const TwoPlanes scene;
+  int judged = 0;
+  for (int x = 40; x < 78; ++x) {
+    for (float nudge = -4e-6F; nudge <= 4e-6F; nudge += 1e-6F) {
+      EndedSeed seed = scene.NearSeed(x, 30);
+      seed.seed.bearing_x += nudge;
+      // Its patch would reach to the last pixel but one, in a picture of 80.
+      if (x + TwoPlanes::kNear + kPatchRadius > 78) {
+        EXPECT_TRUE(scene.Passes(seed)) << x;
+      } else {
+        judged += !scene.Passes(seed);
+      }
+    }
+  }
+  EXPECT_GT(judged, 100);
 }
 
 }  // namespace

@@ -36,10 +36,10 @@ __global__ void GatherEnded(SeedColumns s,
 }
 
 __global__ void GatherStates(
-    SeedColumns s, std::size_t begin, std::size_t step, std::size_t n, EndedSeed* out) {
+    SeedColumns s, std::size_t begin, std::size_t step, std::size_t n, SeedState* out) {
   const std::size_t thread = ThreadNumber();
   if (thread >= n) return;
-  out[thread] = {0, StateOf(s, begin + thread * step), {}};
+  out[thread] = StateOf(s, begin + thread * step);
 }
 
 __global__ void MoveSeeds(SeedColumns from,
@@ -214,8 +214,8 @@ std::vector<SeedState> DeviceSeeds::Read(std::size_t begin, std::size_t end, std
   if (begin >= end) return seeds;
   const std::size_t n = (end - begin - 1) / step + 1;
   stream_->Wait("finish before seeds are read");
-  ended_.Reserve(n);
-  ended_on_host_.Reserve(n);
+  states_.Reserve(n);
+  states_on_host_.Reserve(n);
   Launch("read seeds",
          GatherStates,
          BlocksFor(n),
@@ -224,11 +224,10 @@ std::vector<SeedState> DeviceSeeds::Read(std::size_t begin, std::size_t end, std
          begin,
          step,
          n,
-         ended_.get());
-  Copy(ended_.get(), ended_on_host_.get(), n, *stream_);
+         states_.get());
+  Copy(states_.get(), states_on_host_.get(), n, *stream_);
   stream_->Wait("read seeds");
-  seeds.reserve(n);
-  for (std::size_t i = 0; i < n; ++i) seeds.push_back(ended_on_host_.get()[i].seed);
+  seeds.assign(states_on_host_.get(), states_on_host_.get() + n);
   return seeds;
 }
 

@@ -66,6 +66,8 @@ class DeviceSeeds {
   PinnedArray<std::uint32_t> ended_count_;
   DeviceArray<EndedSeed> ended_;
   PinnedArray<EndedSeed> ended_on_host_;
+  DeviceArray<SeedState> states_;
+  PinnedArray<SeedState> states_on_host_;
 };
 
 }  // namespace livemvs::cuda
