@@ -128,7 +128,7 @@ struct Options {
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
   /// level. At least one of the two must be positive.
-  float epsilon_px = 1.04F;
+  float epsilon_px = 1.05F;
   /// Fewest measurements that agreed.
   int min_views = 8;
   /// Least NCC score, in the frame in which a seed converges, of each half of its patch that has
