@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "livemvs/core/log.h"
+#include "livemvs/parallel/parallel_for.h"
 #include "livemvs/pipeline/seed_groups.h"
 #include "livemvs/pipeline/side_check.h"
 
@@ -115,44 +116,67 @@ void Reconstructor::UpdateSeeds(const PosedFrame& frame) {
 
 void Reconstructor::CollectSeeds(const PosedFrame& frame) {
   const StageTimer timer(&statistics_.collect_seconds);
+  struct End {
+    const ReferenceFrame* reference;
+    const EndedSeed* ended;
+    Fate fate;
+    Point point;  // of one that converged
+  };
+  std::vector<End> ends;
+  pool_.TakeEnded([&](const ReferenceFrame& reference, const EndedSeed& ended) {
+    ends.push_back({&reference, &ended, ended.seed.fate, {}});
+  });
   const Projector projector(frame.camera);
   const SideCheck sides(options_, frame.cam_from_world, projector, pyramid_.levels());
-  pool_.TakeEnded([&](const ReferenceFrame& reference, const EndedSeed& ended) {
-    SeedState seed = ended.seed;
-    if (seed.fate == Fate::kConverged && !sides.Passes(reference, ended)) {
-      seed.fate = Fate::kOneSided;
+  ParallelFor(ends.size(), [&](std::size_t i) {
+    End& end = ends[i];
+    if (end.fate != Fate::kConverged) return;
+    if (sides.Passes(*end.reference, *end.ended)) {
+      end.point = PointOf(*end.reference, end.ended->seed, frame, projector);
+    } else {
+      end.fate = Fate::kOneSided;
     }
-    switch (seed.fate) {
-      case Fate::kAlive:
-      case Fate::kRemoved:
-        break;
-      case Fate::kConverged:
-        Convert(reference, seed, frame, projector);
-        break;
-      case Fate::kOutlier:
-        ++statistics_.rejected_outlier;
-        break;
-      case Fate::kAged:
-        ++statistics_.rejected_aged;
-        break;
-      case Fate::kUnseen:
-        ++statistics_.rejected_unseen;
-        break;
-      case Fate::kLeftInterval:
-        ++statistics_.rejected_left_interval;
-        break;
-      case Fate::kOneSided:
-        ++statistics_.rejected_one_sided;
-        break;
-    }
-    if (observer_ != nullptr) observer_->OnSeed(RecordOf(reference, seed));
   });
+  for (const End& end : ends) {
+    CountEnd(end.fate);
+    if (end.fate == Fate::kConverged) points_.push_back(end.point);
+    if (observer_ == nullptr) continue;
+    SeedRecord record = RecordOf(*end.reference, end.ended->seed);
+    record.fate = end.fate;
+    observer_->OnSeed(record);
+  }
 }
 
-void Reconstructor::Convert(const ReferenceFrame& reference,
-                            const SeedState& seed,
-                            const PosedFrame& frame,
-                            const Projector& projector) {
+void Reconstructor::CountEnd(Fate fate) {
+  switch (fate) {
+    case Fate::kAlive:
+    case Fate::kRemoved:
+      break;
+    case Fate::kConverged:
+      ++statistics_.seeds_converged;
+      break;
+    case Fate::kOutlier:
+      ++statistics_.rejected_outlier;
+      break;
+    case Fate::kAged:
+      ++statistics_.rejected_aged;
+      break;
+    case Fate::kUnseen:
+      ++statistics_.rejected_unseen;
+      break;
+    case Fate::kLeftInterval:
+      ++statistics_.rejected_left_interval;
+      break;
+    case Fate::kOneSided:
+      ++statistics_.rejected_one_sided;
+      break;
+  }
+}
+
+Point Reconstructor::PointOf(const ReferenceFrame& reference,
+                             const SeedState& seed,
+                             const PosedFrame& frame,
+                             const Projector& projector) const {
   const Posterior<float>& q = seed.posterior;
   const Eigen::Vector3d bearing = Eigen::Vector3d(seed.bearing_x, seed.bearing_y, 1).normalized();
   const DepthEstimate<float> z = DepthOf<float>(options_.coordinate, seed.interval, q.mu, q.sigma2);
@@ -174,8 +198,7 @@ void Reconstructor::Convert(const ReferenceFrame& reference,
     point.color = frame.picture->ColorAt(clamped(pixel->x(), frame.camera.width),
                                          clamped(pixel->y(), frame.camera.height));
   }
-  points_.push_back(point);
-  ++statistics_.seeds_converged;
+  return point;
 }
 
 SeedRecord Reconstructor::RecordOf(const ReferenceFrame& reference, const SeedState& seed) const {

@@ -88,10 +88,11 @@ class Reconstructor {
   void SpawnSeeds(const PosedFrame& frame);
   void UpdateSeeds(const PosedFrame& frame);
   void CollectSeeds(const PosedFrame& frame);
-  void Convert(const ReferenceFrame& reference,
-               const SeedState& seed,
-               const PosedFrame& frame,
-               const Projector& projector);
+  void CountEnd(Fate fate);
+  Point PointOf(const ReferenceFrame& reference,
+                const SeedState& seed,
+                const PosedFrame& frame,
+                const Projector& projector) const;
   SeedRecord RecordOf(const ReferenceFrame& reference, const SeedState& seed) const;
 
   Options options_;
