@@ -42,8 +42,9 @@ TEST(Texture, LargestIsThatOfTheBestDirection) {
     // From faint noise to full contrast, about an edge of some direction.
     const double contrast = std::pow(2.0, 8 * uniform(random)) - 1, angle = M_PI * uniform(random);
     for (int i = 0; i < static_cast<int>(picture.size()); ++i) {
-      const double across = std::cos(angle) * static_cast<double>(i % kStride - kPatchRadius) +
-                            std::sin(angle) * static_cast<double>(i / kStride - kPatchRadius);
+      const auto column = i % kStride - kPatchRadius, row = i / kStride - kPatchRadius;
+      const double across = std::cos(angle) * static_cast<double>(column) +
+                            std::sin(angle) * static_cast<double>(row);
       const double grey = contrast * (0.5 + 0.3 * std::tanh(across) + 0.2 * uniform(random));
       picture[i] = static_cast<std::uint8_t>(grey);
     }
