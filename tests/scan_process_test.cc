@@ -136,7 +136,7 @@ TEST_F(ScanProcess, EndsWithAMeshAndShowsHowFarItIs) {
   ASSERT_EQ(process.Wait(), 0) << process.text();
   EXPECT_NE(process.text().find("mesh: points"), std::string::npos) << process.text();
   const ExchangeModel model = ReadGlb(scan_ / "model.glb");
-  EXPECT_GT(model.faces.size(), 300U);
+  EXPECT_GT(model.faces.size(), 500U);
   EXPECT_TRUE(model.has_colors);
   // In the same world as the cloud.
   const Extent mesh = ExtentOf(model);
@@ -168,7 +168,7 @@ TEST_F(ScanProcess, ASignalWhileTheMeshIsMadeLeavesItOutAndKeepsTheRest) {
     // Later, as the message says.
     Process later({LIVEMVS_PROGRAM, "mesh", scan_.string(), "-o", (scan_ / "model.glb").string()});
     EXPECT_EQ(later.Wait(), 0) << later.text();
-    EXPECT_GT(ReadGlb(scan_ / "model.glb").faces.size(), 300U);
+    EXPECT_GT(ReadGlb(scan_ / "model.glb").faces.size(), 500U);
   }
 }
 

@@ -52,7 +52,7 @@ std::vector<std::string> ScanProcess::ScanCommand(const std::vector<std::string>
                                       "-o",
                                       scan_.string(),
                                       "--seeds",
-                                      "3000",
+                                      "3500",
                                       "--threads",
                                       "2",
                                       "--progress",
