@@ -11,7 +11,7 @@
 #include <memory>
 #include <random>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "livemvs/pipeline/pyramid.h"
 #include "livemvs/reference/side_check.h"
@@ -77,165 +77,18 @@ TEST(LeastSideNcc, AsksHalvesThatHaveTextureOnly) {
   EXPECT_NEAR(LeastSideNcc(patch, plain, 4), 0, 1e-5) << "a plain window matches nothing";
 }
 
-ReferenceFrame ReferenceOf(const PosedFrame& frame, int level) {
-  return {0,
-          1,
-          1,
-          frame.index,
-          level,
-          AtLevel(frame.camera, level),
-          frame.cam_from_world,
-          Eigen::Vector3d::Zero()};
-}
-
-// A camera moves to the left before two textured planes that face it: the left part of the picture
-// moves by kNear pixels from the first frame to the second, the right part by kFar.
-class TwoPlanes {
+// Two frames at a level of their pyramids, and seeds of the first whose depths are known.
+class TwoViews {
  public:
-  static constexpr int kNear = 8, kFar = 3, kEdge = 40;
-  static constexpr double kFocal = 100, kStep = 0.08;
-
-  TwoPlanes() : frames_{Frame(0), Frame(1)} {}
-
-  const PosedFrame& frame(int i) const { return frames_[i]; }
-
-  // The seed of a pixel of the first frame with the depth of the near plane.
-  EndedSeed NearSeed(int x, int y) const {
-    const float depth = kFocal * kStep / kNear;
-    const Camera& camera = frames_[0].camera;
-    EndedSeed ended = {};
-    SeedState& seed = ended.seed;
-    seed.bearing_x = static_cast<float>((x - camera.cx) / camera.fx);
-    seed.bearing_y = static_cast<float>((y - camera.cy) / camera.fy);
-    const float along =
-        depth * std::sqrt(1 + seed.bearing_x * seed.bearing_x + seed.bearing_y * seed.bearing_y);
-    seed.interval = {1 / (0.5F * along), 1 / (4 * along)};
-    seed.posterior.mu = (1 / along - seed.interval.c0) / (seed.interval.c1 - seed.interval.c0);
-    seed.fate = Fate::kConverged;
-    for (int k = 0; k < kPatchPixels; ++k) {
-      ended.patch[k] = frames_[0].picture->grey(x + k % kPatchSize - kPatchRadius,
-                                                y + k / kPatchSize - kPatchRadius);
-    }
-    return ended;
+  TwoViews(std::array<PosedFrame, 2> frames, const Options& options, int level = 0)
+      : frames_(std::move(frames)), options_(options), level_(level) {
+    for (int i = 0; i < 2; ++i) pyramids_[i].Build(frames_[i].picture->grey, level + 1);
   }
 
-  bool Passes(const EndedSeed& seed, const Options& options = Options()) const {
-    const ImageView<std::uint8_t> level = frames_[1].picture->grey.view();
-    const Projector projector(frames_[1].camera);
-    const SideCheck check(options, frames_[1].cam_from_world, projector, {&level, 1});
-    return check.Passes(ReferenceOf(frames_[0], 0), seed);
-  }
-
-  bool ReferencePasses(const EndedSeed& ended, const Options& options = Options()) const {
-    reference::Seed seed;
-    seed.camera = frames_[0].camera;
-    seed.cam_from_world = frames_[0].cam_from_world;
-    seed.bearing_x = ended.seed.bearing_x;
-    seed.bearing_y = ended.seed.bearing_y;
-    seed.interval = {ended.seed.interval.c0, ended.seed.interval.c1};
-    seed.posterior.mu = ended.seed.posterior.mu;
-    std::copy(std::begin(ended.patch), std::end(ended.patch), seed.patch.begin());
-    return SidesMatch(
-        options,
-        seed,
-        {frames_[1].picture->grey.view(), Projector(frames_[1].camera), frames_[1].cam_from_world});
-  }
-
- private:
-  static constexpr int kWidth = 80, kHeight = 60;
-
-  static PosedFrame Frame(int index) {
-    std::mt19937 random(11);
-    std::uniform_int_distribution<int> grey(20, 230);
-    Image<std::uint8_t> near(kWidth, kHeight), far(kWidth, kHeight), picture(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        near(x, y) = static_cast<std::uint8_t>(grey(random));
-        far(x, y) = static_cast<std::uint8_t>(grey(random));
-      }
-    }
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const int at_near = x - index * kNear, at_far = x - index * kFar;
-        const bool on_near = at_near < kEdge;
-        picture(x, y) = on_near ? near(std::max(at_near, 0), y) : far(at_far, y);
-      }
-    }
-    PosedFrame frame;
-    frame.index = index;
-    frame.name = "two planes";
-    frame.camera = {CameraModel::kPinhole, kWidth, kHeight, kFocal, kFocal, 39.5, 29.5, {}};
-    frame.cam_from_world.translation.x() = index * kStep;
-    const auto held = std::make_shared<Picture>();
-    held->grey = std::move(picture);
-    frame.picture = held;
-    return frame;
-  }
-
-  std::array<PosedFrame, 2> frames_;
-};
-
-TEST(SideCheck, LetsNoSeedPassWhoseOtherHalfIsOfAnotherSurface) {
-  const TwoPlanes scene;
-  int inside = 0, beyond = 0;
-  const int rows = 40;
-  for (int y = 10; y < 10 + rows; ++y) {
-    // Patches that are all on the near plane, and those whose middle is one pixel beyond its edge.
-    inside += scene.Passes(scene.NearSeed(TwoPlanes::kEdge - 3, y));
-    beyond += scene.Passes(scene.NearSeed(TwoPlanes::kEdge + 1, y));
-  }
-  EXPECT_EQ(inside, rows);
-  EXPECT_LT(beyond, rows / 10);
-}
-
-TEST(SideCheck, AgreesWithTheReference) {
-  const TwoPlanes scene;
-  int agree = 0, all = 0, pass = 0;
-  for (int y = 10; y < 50; ++y) {
-    for (int x = TwoPlanes::kEdge - 6; x < TwoPlanes::kEdge + 4; ++x) {
-      const EndedSeed seed = scene.NearSeed(x, y);
-      const bool passes = scene.Passes(seed);
-      agree += passes == scene.ReferencePasses(seed);
-      pass += passes;
-      ++all;
-    }
-  }
-  EXPECT_GT(pass, all / 4);
-  EXPECT_LT(pass, 3 * all / 4);
-  EXPECT_GE(agree, all - all / 100);
-}
-
-TEST(SideCheck, AsksNothingWhereItIsOffOrCannotSee) {
-  const TwoPlanes scene;
-  const EndedSeed beyond = scene.NearSeed(TwoPlanes::kEdge + 1, 30);
-  ASSERT_FALSE(scene.Passes(beyond));
-  Options off;
-  off.min_side_ncc = -1;
-  EXPECT_TRUE(scene.Passes(beyond, off));
-  EXPECT_TRUE(scene.ReferencePasses(beyond, off));
-  // Its patch would reach beyond the picture's right side.
-  EXPECT_TRUE(scene.Passes(scene.NearSeed(71, 30)));
-}
-
-// Two frames of the textured plane, and seeds of the first with depths that are known.
-class PlaneViews {
- public:
-  PlaneViews(const Camera& camera, const Rigid3d& pose, const Options& options, int level)
-      : options_(options), level_(level) {
-    scene_.camera = camera;
-    for (int i = 0; i < 2; ++i) {
-      frames_[i] = scene_.Render(i == 0 ? Rigid3d{} : pose, i);
-      pyramids_[i].Build(frames_[i].picture->grey, level + 1);
-    }
-  }
-
-  // The seed of a pixel of the level, at `factor` times the plane's depth.
-  EndedSeed SeedAt(int x, int y, double factor) const {
-    const ReferenceFrame reference = ReferenceOf(frames_[0], level_);
-    const Eigen::Vector3d ray = *Projector(reference.camera).Unproject(Eigen::Vector2d(x, y));
-    // z = 1 + 0.3 x + 0.2 y, the first camera at the origin.
-    const double z = factor / (1 - 0.3 * ray.x() - 0.2 * ray.y());
-    const auto along = static_cast<float>(z * ray.norm());
+  // Of a pixel of the level.
+  EndedSeed SeedAt(int x, int y, double z_depth) const {
+    const Eigen::Vector3d ray = RayOf(x, y);
+    const auto along = static_cast<float>(z_depth * ray.norm());
     EndedSeed ended = {};
     SeedState& seed = ended.seed;
     seed.bearing_x = static_cast<float>(ray.x());
@@ -251,15 +104,29 @@ class PlaneViews {
     return ended;
   }
 
+  // The first camera's, with z = 1.
+  Eigen::Vector3d RayOf(int x, int y) const {
+    return *Projector(AtLevel(frames_[0].camera, level_)).Unproject(Eigen::Vector2d(x, y));
+  }
+
   bool Passes(const EndedSeed& ended) const {
     const Projector projector(frames_[1].camera);
     const SideCheck check(options_, frames_[1].cam_from_world, projector, pyramids_[1].levels());
-    return check.Passes(ReferenceOf(frames_[0], level_), ended);
+    return check.Passes({0,
+                         1,
+                         1,
+                         frames_[0].index,
+                         level_,
+                         AtLevel(frames_[0].camera, level_),
+                         frames_[0].cam_from_world,
+                         Eigen::Vector3d::Zero()},
+                        ended);
   }
 
   bool ReferencePasses(const EndedSeed& ended) const {
     reference::Seed seed;
     seed.camera = AtLevel(frames_[0].camera, level_);
+    seed.cam_from_world = frames_[0].cam_from_world;
     seed.bearing_x = ended.seed.bearing_x;
     seed.bearing_y = ended.seed.bearing_y;
     seed.interval = {ended.seed.interval.c0, ended.seed.interval.c1};
@@ -275,12 +142,96 @@ class PlaneViews {
   }
 
  private:
-  Options options_;
-  int level_;
-  testing_support::PlaneScene scene_;
   std::array<PosedFrame, 2> frames_;
   std::array<Pyramid, 2> pyramids_;
+  Options options_;
+  int level_;
 };
+
+// A camera moves to the left before two textured planes that face it: the left part of the picture
+// moves by kNear pixels from the first frame to the second, the right part by kFar.
+constexpr int kNear = 8, kFar = 3, kEdge = 40, kWidth = 80;
+constexpr double kFocal = 100, kStep = 0.08;
+
+PosedFrame PlanesFrame(int index) {
+  constexpr int kHeight = 60;
+  std::mt19937 random(11);
+  std::uniform_int_distribution<int> grey(20, 230);
+  Image<std::uint8_t> near(kWidth, kHeight), far(kWidth, kHeight), picture(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      near(x, y) = static_cast<std::uint8_t>(grey(random));
+      far(x, y) = static_cast<std::uint8_t>(grey(random));
+    }
+  }
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const int at_near = x - index * kNear, at_far = x - index * kFar;
+      const bool on_near = at_near < kEdge;
+      picture(x, y) = on_near ? near(std::max(at_near, 0), y) : far(at_far, y);
+    }
+  }
+  PosedFrame frame;
+  frame.index = index;
+  frame.name = "two planes";
+  frame.camera = {CameraModel::kPinhole, kWidth, kHeight, kFocal, kFocal, 39.5, 29.5, {}};
+  frame.cam_from_world.translation.x() = index * kStep;
+  const auto held = std::make_shared<Picture>();
+  held->grey = std::move(picture);
+  frame.picture = held;
+  return frame;
+}
+
+class TwoPlanes : public TwoViews {
+ public:
+  explicit TwoPlanes(const Options& options = Options())
+      : TwoViews({PlanesFrame(0), PlanesFrame(1)}, options) {}
+
+  // The seed of a pixel of the first frame with the depth of the near plane.
+  EndedSeed NearSeed(int x, int y) const { return SeedAt(x, y, kFocal * kStep / kNear); }
+};
+
+TEST(SideCheck, LetsNoSeedPassWhoseOtherHalfIsOfAnotherSurface) {
+  const TwoPlanes scene;
+  int inside = 0, beyond = 0;
+  const int rows = 40;
+  for (int y = 10; y < 10 + rows; ++y) {
+    // Patches that are all on the near plane, and those whose middle is one pixel beyond its edge.
+    inside += scene.Passes(scene.NearSeed(kEdge - 3, y));
+    beyond += scene.Passes(scene.NearSeed(kEdge + 1, y));
+  }
+  EXPECT_EQ(inside, rows);
+  EXPECT_LT(beyond, rows / 10);
+}
+
+TEST(SideCheck, AgreesWithTheReference) {
+  const TwoPlanes scene;
+  int agree = 0, all = 0, pass = 0;
+  for (int y = 10; y < 50; ++y) {
+    for (int x = kEdge - 6; x < kEdge + 4; ++x) {
+      const EndedSeed seed = scene.NearSeed(x, y);
+      const bool passes = scene.Passes(seed);
+      agree += passes == scene.ReferencePasses(seed);
+      pass += passes;
+      ++all;
+    }
+  }
+  EXPECT_GT(pass, all / 4);
+  EXPECT_LT(pass, 3 * all / 4);
+  EXPECT_GE(agree, all - all / 100);
+}
+
+TEST(SideCheck, AsksNothingWhereItIsOffOrCannotSee) {
+  const TwoPlanes scene;
+  const EndedSeed beyond = scene.NearSeed(kEdge + 1, 30);
+  ASSERT_FALSE(scene.Passes(beyond));
+  Options off;
+  off.min_side_ncc = -1;
+  EXPECT_TRUE(TwoPlanes(off).Passes(beyond));
+  EXPECT_TRUE(TwoPlanes(off).ReferencePasses(beyond));
+  // Its patch would reach beyond the picture's right side.
+  EXPECT_TRUE(scene.Passes(scene.NearSeed(71, 30)));
+}
 
 struct ViewCase {
   const char* name;
@@ -306,11 +257,19 @@ TEST_P(SideCheckViews, FindsThePatchAndAgreesWithTheReference) {
   const Rigid3d pose = {rotation, -(rotation * Eigen::Vector3d(0.07, 0.03, c.nearer))};
   Options options;
   options.coordinate = c.coordinate;
-  const PlaneViews views(camera, pose, options, c.level);
+  testing_support::PlaneScene scene;
+  scene.camera = camera;
+  const TwoViews views({scene.Render(Rigid3d{}, 0), scene.Render(pose, 1)}, options, c.level);
+  // z = 1 + 0.3 x + 0.2 y, the first camera at the origin.
+  const auto depth_of = [&](int x, int y) {
+    const Eigen::Vector3d ray = views.RayOf(x, y);
+    return 1 / (1 - 0.3 * ray.x() - 0.2 * ray.y());
+  };
   int all = 0, pass = 0, pass_elsewhere = 0, agree = 0;
   for (int y = 40; y < 110; y += 3) {
     for (int x = 50; x < 150; x += 3) {
-      const EndedSeed right = views.SeedAt(x, y, 1), wrong = views.SeedAt(x, y, 1.4);
+      const EndedSeed right = views.SeedAt(x, y, depth_of(x, y));
+      const EndedSeed wrong = views.SeedAt(x, y, 1.4 * depth_of(x, y));
       pass += views.Passes(right);
       pass_elsewhere += views.Passes(wrong);
       agree += (views.Passes(right) == views.ReferencePasses(right)) +
@@ -354,7 +313,7 @@ TEST(SideCheck, JudgesNothingAtTheBorder) {
       EndedSeed seed = scene.NearSeed(x, 30);
       seed.seed.bearing_x += nudge;
       // Its patch would reach to the last pixel but one, in a picture of 80.
-      if (x + TwoPlanes::kNear + kPatchRadius > 78) {
+      if (x + kNear + kPatchRadius > 78) {
         EXPECT_TRUE(scene.Passes(seed)) << x;
       } else {
         judged += !scene.Passes(seed);
