@@ -3,15 +3,10 @@
 #include <charconv>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 
 namespace livemvs {
 namespace {
-
-void Require(bool ok, const char* option, double value, const char* allowed) {
-  if (ok) return;
-  throw std::invalid_argument(std::string("option ") + option + " = " + std::to_string(value) +
-                              " must be " + allowed);
-}
 
 template <typename E>
 struct EnumName {
@@ -77,6 +72,85 @@ std::string Print(OutlierDensity value) { return NameOf(kDensities, value); }
 std::string Print(Search value) { return NameOf(kSearches, value); }
 std::string Print(BackendChoice value) { return NameOf(kBackends, value); }
 
+template <typename T>
+void Require(bool ok, const char* option, T value, const std::string& allowed) {
+  if (ok) return;
+  throw std::invalid_argument(std::string("option ") + option + " = " + Print(value) + " must be " +
+                              allowed);
+}
+
+template <typename T>
+void Within(std::type_identity_t<T> least,
+            T value,
+            std::type_identity_t<T> most,
+            const char* option) {
+  Require(value >= least && value <= most, option, value, Print(least) + " ... " + Print(most));
+}
+
+template <typename T>
+void AtLeast(std::type_identity_t<T> least, T value, const char* option) {
+  Require(value >= least, option, value, Print(least) + " or more");
+}
+
+void CheckPool(const Options& o) {
+  Within(1, o.max_seeds, 64'000'000, "max_seeds");
+  Within(1, o.levels, 6, "levels");
+  Within(0, o.plant_every, 1000, "plant_every");
+  Require(o.min_move >= 0 && o.min_move < 1, "min_move", o.min_move, "in [0, 1)");
+  Within(1, o.seed_spacing_px, 64, "seed_spacing_px");
+  Within(-1, o.cover_radius_px, 64, "cover_radius_px");
+  Require(o.cover_angle_deg > 0 && o.cover_angle_deg <= 180,
+          "cover_angle_deg",
+          o.cover_angle_deg,
+          "in (0, 180]");
+  Within(0, o.min_patch_stddev, 128, "min_patch_stddev");
+  Within(0, o.min_coarse_stddev, 128, "min_coarse_stddev");
+  Within(0, o.max_texture_offset_px, 3, "max_texture_offset_px");
+  Within(0, o.box_margin, 1, "box_margin");
+  Require(o.prior_a > 0 && o.prior_a < 1e4F, "prior_a", o.prior_a, "in (0, 10000)");
+  Require(o.prior_b > 0 && o.prior_b < 1e4F, "prior_b", o.prior_b, "in (0, 10000)");
+}
+
+void CheckMatching(const Options& o) {
+  Within(1, o.search_radius_px, 1000, "search_radius_px");
+  AtLeast(0, o.search_sigmas, "search_sigmas");
+  Require(o.search_radius_max_px >= o.search_radius_px && o.search_radius_max_px <= 2000,
+          "search_radius_max_px",
+          o.search_radius_max_px,
+          "search_radius_px ... 2000");
+  Require(o.min_ncc >= -1 && o.min_ncc < 1, "min_ncc", o.min_ncc, "in [-1, 1)");
+  AtLeast(0, o.ambiguity_ncc, "ambiguity_ncc");
+  AtLeast(0, o.min_parallax_px, "min_parallax_px");
+  AtLeast(0, o.warp_roll_deg, "warp_roll_deg");
+  Require(o.warp_scale >= 1 || o.warp_scale == 0, "warp_scale", o.warp_scale, "1 or more, or 0");
+  Require(o.measurement_sigma_px > 0, "measurement_sigma_px", o.measurement_sigma_px, "positive");
+  AtLeast(0, o.match_bias_px, "match_bias_px");
+  AtLeast(0, o.epipolar_error_px, "epipolar_error_px");
+  AtLeast(0, o.image_noise, "image_noise");
+  Require(o.max_measurement_sigma_px >= o.measurement_sigma_px,
+          "max_measurement_sigma_px",
+          o.max_measurement_sigma_px,
+          "at least measurement_sigma_px");
+}
+
+void CheckEnding(const Options& o) {
+  Require(o.eta_outlier >= 0 && o.eta_outlier < 1, "eta_outlier", o.eta_outlier, "in [0, 1)");
+  Require(o.outlier_certainty > 0.5F && o.outlier_certainty < 1,
+          "outlier_certainty",
+          o.outlier_certainty,
+          "in (0.5, 1)");
+  Require(o.eta_inlier >= 0 && o.eta_inlier < 1, "eta_inlier", o.eta_inlier, "in [0, 1)");
+  AtLeast(0, o.epsilon_range, "epsilon_range");
+  Require(o.epsilon_px > 0 || (o.epsilon_px == 0 && o.epsilon_range > 0),
+          "epsilon_px",
+          o.epsilon_px,
+          "positive, or 0 with a positive epsilon_range");
+  Within(0, o.min_views, 255, "min_views");
+  Require(o.min_side_ncc >= -1 && o.min_side_ncc < 1, "min_side_ncc", o.min_side_ncc, "in [-1, 1)");
+  Within(0, o.max_age, 65534, "max_age");
+  Within(0, o.max_unseen, 254, "max_unseen");
+}
+
 }  // namespace
 
 void SetOption(Options* options, const std::string& name, const std::string& value) {
@@ -106,77 +180,12 @@ std::string GetOption(const Options& options, const std::string& name) {
 }
 
 void Options::Check() const {
-  Require(box_margin >= 0 && box_margin <= 1, "box_margin", box_margin, "0 ... 1");
-  Require(max_seeds >= 1 && max_seeds <= 64'000'000, "max_seeds", max_seeds, "1 ... 64000000");
-  Require(levels >= 1 && levels <= 6, "levels", levels, "1 ... 6");
-  Require(plant_every >= 0 && plant_every <= 1000, "plant_every", plant_every, "0 ... 1000");
-  Require(min_move >= 0 && min_move < 1, "min_move", min_move, "in [0, 1)");
-  Require(seed_spacing_px >= 1 && seed_spacing_px <= 64,
-          "seed_spacing_px",
-          seed_spacing_px,
-          "1 ... 64");
-  Require(cover_radius_px >= -1 && cover_radius_px <= 64,
-          "cover_radius_px",
-          cover_radius_px,
-          "-1 ... 64");
-  Require(cover_angle_deg > 0 && cover_angle_deg <= 180,
-          "cover_angle_deg",
-          cover_angle_deg,
-          "in (0, 180]");
-  Require(min_patch_stddev >= 0 && min_patch_stddev <= 128,
-          "min_patch_stddev",
-          min_patch_stddev,
-          "0 ... 128");
-  Require(min_coarse_stddev >= 0 && min_coarse_stddev <= 128,
-          "min_coarse_stddev",
-          min_coarse_stddev,
-          "0 ... 128");
-  Require(max_texture_offset_px >= 0 && max_texture_offset_px <= 3,
-          "max_texture_offset_px",
-          max_texture_offset_px,
-          "0 ... 3");
-  Require(prior_a > 0 && prior_a < 1e4F, "prior_a", prior_a, "in (0, 10000)");
-  Require(prior_b > 0 && prior_b < 1e4F, "prior_b", prior_b, "in (0, 10000)");
-  Require(search_radius_px >= 1 && search_radius_px <= 1000,
-          "search_radius_px",
-          search_radius_px,
-          "1 ... 1000");
-  Require(search_sigmas >= 0, "search_sigmas", search_sigmas, "0 or more");
-  Require(search_radius_max_px >= search_radius_px && search_radius_max_px <= 2000,
-          "search_radius_max_px",
-          search_radius_max_px,
-          "search_radius_px ... 2000");
-  Require(min_ncc >= -1 && min_ncc < 1, "min_ncc", min_ncc, "in [-1, 1)");
-  Require(ambiguity_ncc >= 0, "ambiguity_ncc", ambiguity_ncc, "0 or more");
-  Require(min_parallax_px >= 0, "min_parallax_px", min_parallax_px, "0 or more");
-  Require(warp_roll_deg >= 0, "warp_roll_deg", warp_roll_deg, "0 or more");
-  Require(warp_scale >= 1 || warp_scale == 0, "warp_scale", warp_scale, "1 or more, or 0");
-  Require(measurement_sigma_px > 0, "measurement_sigma_px", measurement_sigma_px, "positive");
-  Require(match_bias_px >= 0, "match_bias_px", match_bias_px, "0 or more");
-  Require(epipolar_error_px >= 0, "epipolar_error_px", epipolar_error_px, "0 or more");
-  Require(image_noise >= 0, "image_noise", image_noise, "0 or more");
-  Require(max_measurement_sigma_px >= measurement_sigma_px,
-          "max_measurement_sigma_px",
-          max_measurement_sigma_px,
-          "at least measurement_sigma_px");
-  Require(eta_outlier >= 0 && eta_outlier < 1, "eta_outlier", eta_outlier, "in [0, 1)");
-  Require(outlier_certainty > 0.5F && outlier_certainty < 1,
-          "outlier_certainty",
-          outlier_certainty,
-          "in (0.5, 1)");
-  Require(eta_inlier >= 0 && eta_inlier < 1, "eta_inlier", eta_inlier, "in [0, 1)");
-  Require(epsilon_range >= 0, "epsilon_range", epsilon_range, "0 or more");
-  Require(epsilon_px > 0 || (epsilon_px == 0 && epsilon_range > 0),
-          "epsilon_px",
-          epsilon_px,
-          "positive, or 0 with a positive epsilon_range");
-  Require(min_views >= 0 && min_views <= 255, "min_views", min_views, "0 ... 255");
-  Require(min_side_ncc >= -1 && min_side_ncc < 1, "min_side_ncc", min_side_ncc, "in [-1, 1)");
-  Require(max_age >= 0 && max_age < 65535, "max_age", max_age, "0 ... 65534");
-  Require(max_unseen >= 0 && max_unseen < 255, "max_unseen", max_unseen, "0 ... 254");
-  Require(regularise_px >= 0 && regularise_px <= 100, "regularise_px", regularise_px, "0 ... 100");
-  Require(min_support >= 0 && min_support <= 16, "min_support", min_support, "0 ... 16");
-  Require(threads >= 0 && threads <= 1024, "threads", threads, "0 ... 1024");
+  CheckPool(*this);
+  CheckMatching(*this);
+  CheckEnding(*this);
+  Within(0, regularise_px, 100, "regularise_px");
+  Within(0, min_support, 16, "min_support");
+  Within(0, threads, 1024, "threads");
 }
 
 Options PaperOptions() {
