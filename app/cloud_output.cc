@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -54,11 +55,19 @@ void AddResources(nlohmann::json* statistics) {
 namespace {
 
 void ExplainEmptyCloud(const ReconstructionStatistics& s, const FinishedCloud& finished) {
-  if (finished.outside > 0) {
-    LogWarning("no point is left: all lie outside of the box; check --box and its unit");
+  const std::size_t most = std::max({finished.outside, finished.unsupported, finished.overhanging});
+  if (most > 0 && most == finished.outside) {
+    LogWarning("no point is left: they lie outside of the box; check --box and its unit");
     return;
   }
-  if (s.seeds_converged > 0) {
+  if (most > 0 && most == finished.overhanging) {
+    LogWarning(
+        "no point is left: beside the texture of each no others lie on its surface; film longer, "
+        "or "
+        "try --set overhang_px=0");
+    return;
+  }
+  if (most > 0) {
     LogWarning(
         "no point is left: too few of them lie on a surface with others; try --set "
         "min_support=0");
@@ -82,14 +91,15 @@ void ExplainEmptyCloud(const ReconstructionStatistics& s, const FinishedCloud& f
 
 }  // namespace
 
-void FinishPoints(const Options& options,
-                  const SceneRange& range,
-                  const ReconstructionStatistics& reconstruction,
-                  PointCloud* cloud,
-                  nlohmann::json* statistics) {
-  const FinishedCloud finished = FinishCloud(options, range.box, cloud);
+FinishedCloud FinishPoints(const Options& options,
+                           const SceneRange& range,
+                           const ReconstructionStatistics& reconstruction,
+                           PointCloud* cloud,
+                           nlohmann::json* statistics) {
+  FinishedCloud finished = FinishCloud(options, range.box, cloud);
   (*statistics)["points"] = cloud->size();
-  (*statistics)["removed"] = {{"superseded", finished.superseded},
+  (*statistics)["removed"] = {{"overhanging", finished.overhanging},
+                              {"superseded", finished.superseded},
                               {"unsupported", finished.unsupported},
                               {"outside", finished.outside}};
   if (cloud->empty()) {
@@ -99,6 +109,7 @@ void FinishPoints(const Options& options,
                ", left out) than in it (" + std::to_string(cloud->size()) +
                "); where it is to cut a table or wall off, --set box_margin=0 does not look there");
   }
+  return finished;
 }
 
 void WriteCloud(const std::filesystem::path& path, bool estimate_normals, PointCloud* cloud) {

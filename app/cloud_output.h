@@ -6,6 +6,7 @@
 #include "livemvs/core/options.h"
 #include "livemvs/core/point.h"
 #include "livemvs/core/scene_range.h"
+#include "livemvs/map/finish_cloud.h"
 #include "livemvs/pipeline/reconstructor.h"
 
 namespace livemvs::app {
@@ -21,11 +22,11 @@ void AddResources(nlohmann::json* statistics);
 
 /// Finishes the cloud, and adds its points, and those that were taken out, to the statistics. Warns
 /// where no point is left, with the likely reason, or most lie outside of the box.
-void FinishPoints(const Options& options,
-                  const SceneRange& range,
-                  const ReconstructionStatistics& reconstruction,
-                  PointCloud* cloud,
-                  nlohmann::json* statistics);
+FinishedCloud FinishPoints(const Options& options,
+                           const SceneRange& range,
+                           const ReconstructionStatistics& reconstruction,
+                           PointCloud* cloud,
+                           nlohmann::json* statistics);
 
 /// Writes the cloud, with the normals of planes through neighbours where `estimate_normals`.
 void WriteCloud(const std::filesystem::path& path, bool estimate_normals, PointCloud* cloud);

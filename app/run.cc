@@ -1,5 +1,6 @@
 
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "cloud_output.h"
 #include "commands.h"
@@ -88,22 +90,42 @@ std::exception_ptr Reconstruct(Prefetcher* frames,
 class TraceObserver : public SeedObserver {
  public:
   explicit TraceObserver(const fs::path& path) : writer_(path) {}
-  void OnSeed(const SeedRecord& record) override { writer_.Write(record); }
-  void Finish() { writer_.Finish(); }
+  void OnSeed(const SeedRecord& record) override {
+    writer_.Write(record);
+    if (record.fate == Fate::kConverged) converged_.push_back(written_);
+    ++written_;
+  }
+  // `kept`: of the points, one for each seed that converged, those that are in the cloud;
+  // ascending.
+  void Finish(std::span<const std::uint32_t> kept) {
+    auto next = kept.begin();
+    for (std::size_t i = 0; i < converged_.size(); ++i) {
+      if (next != kept.end() && *next == i) {
+        ++next;
+      } else {
+        writer_.SetFate(converged_[i], Fate::kTakenOut);
+      }
+    }
+    writer_.Finish();
+  }
 
  private:
   SeedTraceWriter writer_;
+  std::uint64_t written_ = 0;
+  std::vector<std::uint64_t> converged_;  // their places in the trace
 };
 
-// Regularises and writes the cloud; says so in the statistics and on standard output.
-void WriteResults(const RunArguments& args,
-                  const Options& options,
-                  const SceneRange& range,
-                  Reconstructor* reconstructor,
-                  nlohmann::json* statistics) {
+// Finishes and writes the cloud; says so in the statistics and on standard output.
+FinishedCloud WriteResults(const RunArguments& args,
+                           const Options& options,
+                           const SceneRange& range,
+                           Reconstructor* reconstructor,
+                           nlohmann::json* statistics) {
   PointCloud cloud = reconstructor->TakePoints();
-  FinishPoints(options, range, reconstructor->statistics(), &cloud, statistics);
+  FinishedCloud finished =
+      FinishPoints(options, range, reconstructor->statistics(), &cloud, statistics);
   WriteCloud(args.output, !args.ray_normals && !Interrupted(), &cloud);
+  return finished;
 }
 
 void Run(const RunArguments& args) {
@@ -149,7 +171,7 @@ void Run(const RunArguments& args) {
 
   nlohmann::json statistics =
       StatisticsJson(args, options, range, *dataset, frame_statistics, reconstructor);
-  WriteResults(args, options, range, &reconstructor, &statistics);
+  const FinishedCloud finished = WriteResults(args, options, range, &reconstructor, &statistics);
   const double total_seconds = SecondsSince(start);
   statistics["frames_per_second"] = rate;
   statistics["seconds"]["loop"] = loop_seconds;
@@ -167,7 +189,7 @@ void Run(const RunArguments& args) {
   if (failure) std::rethrow_exception(failure);
   if (trace) {
     reconstructor.ReportLiveSeeds();
-    trace->Finish();
+    trace->Finish(finished.kept);
     std::printf("%s\n", fs::absolute(args.trace).c_str());
   }
   if (interrupted) throw CLI::RuntimeError(kExitInterrupted);

@@ -40,9 +40,11 @@ ROWS = {
     "tau-1": "measurement_sigma_px=1",
     "no-bias": "match_bias_px=0",
     "no-epipolar": "epipolar_error_px=0",
-    "inlier-0.5": "eta_inlier=0.5",
+    "inlier-0.6": "eta_inlier=0.6",
     "no-sides": "min_side_ncc=-1",
     "sides-0.6": "min_side_ncc=0.6",
+    "no-overhang": "overhang_px=0",
+    "overhang-32": "overhang_px=32",
     "prune-paper": "eta_outlier=0.05 outlier_certainty=0.99",
     "no-age": "max_age=0",
     "no-unseen": "max_unseen=0",
@@ -84,6 +86,7 @@ COLUMNS = [
     ("hazards", "points", "points", 0),
     ("hazards", "within_1mm", "1 mm %", 1),
     ("hazards", "within_5mm", "5 mm %", 1),
+    ("hazards", "false_points", "false points %", 1),
     ("hazards", "false_all", "false %", 1),
     ("hazards", "false_off_edges", "off edges %", 1),
     ("hazards", "phantoms", "phantoms %", 1),
@@ -184,6 +187,7 @@ def read_numbers(data, stats, result):
     if data == "hazards":
         labels = result["false_convergence"]["labels"]
         every = labels["textureless_or_occluded"]
+        numbers["false_points"] = 100 * every["false_points_of_planted"]
         numbers["false_all"] = 100 * every["false_of_planted"]
         off_edges = labels["textureless_or_occluded_off_edges"]
         numbers["false_off_edges"] = 100 * off_edges["false_of_planted"]

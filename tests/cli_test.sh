@@ -13,6 +13,7 @@ copy_sample() {
 }
 
 run() { "$program" run --seeds 4000 -o "$work/out.ply" "$@"; }
+in_cloud() { od -An -v -t u1 -w28 -j24 "$1" | awk '$27 == 1' | wc -l; }  # seeds of a trace
 vertices() { head -c 2000 "$1" | grep -a '^element vertex' | cut -d' ' -f3; }
 
 # --- Good input -------------------------------------------------------------------------------------
@@ -33,6 +34,9 @@ seeds=(--trace "$work/scene.trace" --labels "$work/hazards")
 expect 0 "textureless" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}" --json "$work/eval.json"
 expect 0 "more than 5 %" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}" --false-beyond 5
 check "false convergence is not in the JSON" grep -q '"false_of_planted"' "$work/eval.json"
+check "false points are not in the JSON" grep -q '"false_points"' "$work/eval.json"
+check "the trace does not say which points are in the cloud" \
+  test "$(in_cloud "$work/scene.trace")" = "$(vertices "$work/out.ply")"
 expect 2 "--labels" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" --trace "$work/scene.trace"
 expect 2 "tolerance" "$program" eval "$work/out.ply" "$work/hazards/mesh.ply" "${seeds[@]}" --false-beyond 0
 expect 3 "needs a mesh" "$program" eval "$work/out.ply" "$work/out.ply" "${seeds[@]}"

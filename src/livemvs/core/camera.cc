@@ -1,5 +1,6 @@
 #include "livemvs/core/camera.h"
 
+#include <Eigen/LU>
 #include <stdexcept>
 
 namespace livemvs {
@@ -91,6 +92,16 @@ std::optional<Eigen::Vector3d> Projector::Unproject(const Eigen::Vector2d& pixel
     if (!UnprojectPixel<decltype(model)>(params_, pixel.x(), pixel.y(), &x, &y)) return {};
     return Eigen::Vector3d(x, y, 1);
   });
+}
+
+Eigen::Matrix2d BearingPerPixel(const Camera& camera, double x, double y) {
+  const auto lens = VisitModel(camera.model, [&](auto model) {
+    return decltype(model)::template Distort<double>(camera.distortion.data(), x, y);
+  });
+  Eigen::Matrix2d pixel_per_bearing;
+  pixel_per_bearing << camera.fx * lens.xx, camera.fx * lens.xy, camera.fy * lens.yx,
+      camera.fy * lens.yy;
+  return pixel_per_bearing.inverse();
 }
 
 std::string ToString(CameraModel model) {

@@ -219,6 +219,10 @@ class Projector {
   CameraParams<double> params_;
 };
 
+/// How the ray (x, y, 1) changes with its pixel: d(x, y) / d(u, v). [1/px] Not finite where the
+/// distortion folds.
+Eigen::Matrix2d BearingPerPixel(const Camera& camera, double x, double y);
+
 /// For messages: "pinhole", "Brown-Conrady", "Kannala-Brandt".
 std::string ToString(CameraModel model);
 

@@ -54,6 +54,24 @@ TEST_P(CameraTest, JacobianMatchesNumericDerivative) {
   });
 }
 
+TEST_P(CameraTest, BearingPerPixelMatchesNumericDerivative) {
+  const Camera camera = MakeCamera(GetParam());
+  const Projector projector(camera);
+  constexpr double kStep = 1e-3;
+  for (int v = 20; v < 480; v += 55) {
+    for (int u = 20; u < 640; u += 75) {
+      const Eigen::Vector3d ray = *projector.Unproject({u, v});
+      const Eigen::Matrix2d derivative = BearingPerPixel(camera, ray.x(), ray.y());
+      for (int axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis), at(u, v);
+        const Eigen::Vector3d change =
+            (*projector.Unproject(at + step) - *projector.Unproject(at - step)) / (2 * kStep);
+        EXPECT_LT((derivative.col(axis) - change.head<2>()).norm(), 1e-6 * derivative.norm());
+      }
+    }
+  }
+}
+
 TEST_P(CameraTest, PointsBehindTheCameraHaveNoPixel) {
   const Projector projector(MakeCamera(GetParam()));
   EXPECT_FALSE(projector.Project({0.1, 0.1, -1}).has_value());

@@ -183,6 +183,7 @@ void Options::Check() const {
   CheckPool(*this);
   CheckMatching(*this);
   CheckEnding(*this);
+  Within(0, overhang_px, 1000, "overhang_px");
   Within(0, regularise_px, 100, "regularise_px");
   Within(0, min_support, 16, "min_support");
   Within(0, threads, 1024, "threads");
@@ -221,6 +222,7 @@ Options PaperOptions() {
   o.min_side_ncc = -1;
   o.max_age = 0;
   o.max_unseen = 0;
+  o.overhang_px = 0;
   o.regularise_px = 0;
   o.min_support = 0;
   return o;

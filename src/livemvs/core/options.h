@@ -123,7 +123,7 @@ struct Options {
   // -------------------------------------------------------------
   float eta_outlier = 0.4F;        ///< Removed when P(inlier ratio < eta_outlier) exceeds ...
   float outlier_certainty = 0.9F;  ///< ... this.
-  float eta_inlier = 0.6F;         ///< Converted when the mean inlier ratio exceeds this, and ...
+  float eta_inlier = 0.5F;         ///< Converted when the mean inlier ratio exceeds this, and ...
   /// ... epsilon: the standard deviation of depth is below this fraction of Z_max - Z_min, or ...
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
@@ -142,6 +142,9 @@ struct Options {
 
   // --- The cloud, when all frames are in; [VH11] leaves it as it is
   // ---------------------------------
+  /// A point whose patch has its texture at one side stays only if points agree with it at the
+  /// other side, within this many pixels of the finest level [px]; 0: all stay.
+  float overhang_px = 64;
   /// Radius within which points are drawn to the plane of their neighbours [px of their level]; 0:
   /// not.
   float regularise_px = 5;
@@ -201,6 +204,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("min_side_ncc", o.min_side_ncc);
   visit("max_age", o.max_age);
   visit("max_unseen", o.max_unseen);
+  visit("overhang_px", o.overhang_px);
   visit("regularise_px", o.regularise_px);
   visit("min_support", o.min_support);
   visit("threads", o.threads);

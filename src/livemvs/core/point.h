@@ -18,6 +18,8 @@ struct Point {
   float sigma = 0;          ///< Standard deviation of the depth [scene].
   float inlier_ratio = 0;   ///< Mean of the Beta posterior, a / (a + b).
   std::uint16_t views = 0;  ///< Frames whose measurement agreed.
+  std::uint8_t level = 0;   ///< Of the image pyramid, on which it was matched.
+  std::uint8_t lean = 0;    ///< At which side its patch has its texture, see core/lean.h.
   float footprint = 0;      ///< Width on the surface of a pixel of the image it was matched in
                             ///< [scene].
   std::int32_t frame = -1;  ///< Index of the frame in which it converged, whose camera saw it; -1:

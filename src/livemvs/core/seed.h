@@ -23,6 +23,7 @@ enum class Fate : std::uint8_t {
   kUnseen,        ///< Out of view for too long.
   kLeftInterval,  ///< The posterior mean wandered off the ray's interval.
   kOneSided,      ///< Converged, but a half of its patch does not match there (min_side_ncc).
+  kTakenOut,      ///< Converged, but its point was taken out of the finished cloud.
   kRemoved        ///< Dealt with; its slot is free.
 };
 

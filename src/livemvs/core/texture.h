@@ -130,28 +130,37 @@ LIVEMVS_HD inline float LargestTexture(const std::uint8_t* center, std::ptrdiff_
   return largest * (0.25F * kPatchPixels / (kInner * kInner));
 }
 
-/// Whether the centroid of a patch's texture lies within `most` pixels of its middle; `most` = 0:
-/// it may lie anywhere. Texture is the squared gradient between each four pixels, less what the
-/// noise contributes.
+/// How much texture a patch has, and its moments about the patch's middle.
+struct TextureMoments {
+  float sum = 0;  ///< [grey levels²/px²]
+  float x = 0;    ///< [grey levels²/px]
+  float y = 0;
+};
+
+/// Texture is the squared gradient between each four pixels, less what the noise contributes.
 /// @param center, stride  See LargestTexture().
-LIVEMVS_HD inline bool IsCentred(float most,
-                                 float noise2,
-                                 const std::uint8_t* center,
-                                 std::ptrdiff_t stride) {
-  if (most <= 0) return true;
-  float sum = 0, x = 0, y = 0;
+LIVEMVS_HD inline TextureMoments MomentsOfTexture(float noise2,
+                                                  const std::uint8_t* center,
+                                                  std::ptrdiff_t stride) {
+  TextureMoments moments;
   for (int row = -kPatchRadius; row < kPatchRadius; ++row) {
     for (int column = -kPatchRadius; column < kPatchRadius; ++column) {
       const std::uint8_t* at = center + row * stride + column;
       const int falling = at[stride + 1] - at[0], rising = at[1] - at[stride];
       const float squared = 0.5F * static_cast<float>(falling * falling + rising * rising);
       const float texture = squared > 2 * noise2 ? squared - 2 * noise2 : 0;
-      sum += texture;
-      x += texture * (static_cast<float>(column) + 0.5F);
-      y += texture * (static_cast<float>(row) + 0.5F);
+      moments.sum += texture;
+      moments.x += texture * (static_cast<float>(column) + 0.5F);
+      moments.y += texture * (static_cast<float>(row) + 0.5F);
     }
   }
-  return x * x + y * y <= most * most * sum * sum;
+  return moments;
+}
+
+/// Whether the centroid of a patch's texture lies within `most` pixels of its middle. True where
+/// there is no texture.
+LIVEMVS_HD inline bool IsCentred(float most, const TextureMoments& texture) {
+  return texture.x * texture.x + texture.y * texture.y <= most * most * texture.sum * texture.sum;
 }
 
 /// Whether matches of a patch may be precise enough along a line of some direction.

@@ -84,6 +84,10 @@ Verdict Judge(const SeedRecord& seed,
   return verdict;
 }
 
+bool Converged(const SeedRecord& seed) {
+  return seed.fate == Fate::kConverged || seed.fate == Fate::kTakenOut;
+}
+
 std::uint8_t LabelAt(const SeedRecord& seed, const Image<std::uint8_t>& labels) {
   const auto nearest = [](float v, int size) {
     return static_cast<int>(std::lround(std::clamp(v, 0.F, static_cast<float>(size - 1))));
@@ -106,9 +110,13 @@ void Count(const SeedRecord& seed,
            double tolerance,
            ConvergenceCounts* counts) {
   ++counts->planted;
-  if (seed.fate != Fate::kConverged) return;
+  if (!Converged(seed)) return;
   ++counts->converged;
   counts->falsely_converged += verdict.error > tolerance;
+  if (seed.fate == Fate::kConverged) {
+    ++counts->points;
+    counts->false_points += verdict.error > tolerance;
+  }
   counts->beside += verdict.beside;
   if (std::isfinite(verdict.error)) counts->errors.push_back(verdict.error);
 }
@@ -138,6 +146,8 @@ double ConvergenceCounts::PhantomRate() const { return Ratio(falsely_converged -
 
 double ConvergenceCounts::FalseShare() const { return Ratio(falsely_converged, converged); }
 
+double ConvergenceCounts::FalsePointRate() const { return Ratio(false_points, planted); }
+
 FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
                                          std::span<const LabelledView> views,
                                          const MeshSurface& surface,
@@ -147,7 +157,7 @@ FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
   std::vector<Verdict> verdicts(seeds.size());
   ParallelFor(seeds.size(), [&](std::size_t i) {
     const auto place = places.find(seeds[i].birth_frame);
-    if (place != places.end() && seeds[i].fate == Fate::kConverged) {
+    if (place != places.end() && Converged(seeds[i])) {
       verdicts[i] = Judge(seeds[i], place->second, surface, options.tolerance);
     }
   });
@@ -181,8 +191,9 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
   table += Format("false             off by more than %g %% of the true depth, or nothing there;\n",
                   100 * options.tolerance);
   table += "beside            of the false ones: at the depth of another surface in the patch\n";
-  table += "phantoms          the other false ones\n\n";
-  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s   error [%% of depth]\n",
+  table += "phantoms          the other false ones\n";
+  table += "points            converged seeds that the finished cloud keeps\n\n";
+  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%8s%7s%9s   error [%% of depth]\n",
                   "",
                   "",
                   "",
@@ -190,8 +201,11 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
                   "",
                   "false of",
                   "phantoms",
-                  "false of");
-  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%7s%7s%7s\n",
+                  "false of",
+                  "",
+                  "false",
+                  "of pl.");
+  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%8s%7s%9s%7s%7s%7s\n",
                   "pixels",
                   "planted",
                   "converged",
@@ -200,12 +214,15 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
                   "planted",
                   "of pl.",
                   "converged",
+                  "points",
+                  "points",
+                  "",
                   "50%",
                   "90%",
                   "99%");
   for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
     const ConvergenceCounts& c = result.classes[k];
-    table += Format("%-23s%8zu%10zu%7zu%7zu%8.2f%%%8.2f%%%9.2f%%",
+    table += Format("%-23s%8zu%10zu%7zu%7zu%8.2f%%%8.2f%%%9.2f%%%8zu%7zu%8.2f%%",
                     kLabelClasses[k].name,
                     c.planted,
                     c.converged,
@@ -213,7 +230,10 @@ std::string FalseConvergenceTable(const FalseConvergence& result,
                     c.beside,
                     100 * c.FalseRate(),
                     100 * c.PhantomRate(),
-                    100 * c.FalseShare());
+                    100 * c.FalseShare(),
+                    c.points,
+                    c.false_points,
+                    100 * c.FalsePointRate());
     for (const int q : kPercentiles) {
       const auto p = Percentile(c.errors, q);
       table += p ? Format("%7.2f", 100 * *p) : Format("%7s", "-");
@@ -238,7 +258,10 @@ std::string FalseConvergenceJson(const FalseConvergence& result,
                                {"beside", c.beside},
                                {"false_of_planted", c.FalseRate()},
                                {"phantoms_of_planted", c.PhantomRate()},
-                               {"false_of_converged", c.FalseShare()}};
+                               {"false_of_converged", c.FalseShare()},
+                               {"points", c.points},
+                               {"false_points", c.false_points},
+                               {"false_points_of_planted", c.FalsePointRate()}};
     for (const int q : kPercentiles) {
       const auto p = Percentile(c.errors, q);
       row["error_percentiles"][std::to_string(q)] =

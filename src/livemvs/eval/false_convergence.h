@@ -41,7 +41,9 @@ struct ConvergenceCounts {
   /// Those of them whose depth is that of another surface in the seed's patch: at an edge the patch
   /// follows the nearer one, so that things look fatter than they are. The others are phantoms.
   std::size_t beside = 0;
-  std::vector<float> errors;  ///< |depth - truth| / truth of the converged ones, sorted.
+  std::size_t points = 0;        ///< Converged ones whose point was not taken out of the cloud.
+  std::size_t false_points = 0;  ///< Of the falsely converged ones.
+  std::vector<float> errors;     ///< |depth - truth| / truth of the converged ones, sorted.
 
   /// falsely_converged / planted; 0 where none was planted.
   double FalseRate() const;
@@ -49,6 +51,8 @@ struct ConvergenceCounts {
   double PhantomRate() const;
   /// falsely_converged / converged; 0 where none converged.
   double FalseShare() const;
+  /// false_points / planted; 0 where none was planted.
+  double FalsePointRate() const;
 };
 
 /// A row of the report: pixels that have any of some labels (0: whatever they have) and none of

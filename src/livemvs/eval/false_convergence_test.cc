@@ -140,6 +140,25 @@ TEST_F(FalseConvergenceTest, KnownAnswers) {
   EXPECT_EQ(Of(result, "specular").FalseShare(), 0);
 }
 
+TEST_F(FalseConvergenceTest, SeedsWhosePointsWereTakenOutHaveConvergedAllTheSame) {
+  const FalseConvergence before = Measure();
+  for (const int i : {0, 1, 6}) seeds_[i].fate = Fate::kTakenOut;  // one is right, two are false
+  const FalseConvergence result = Measure();
+  for (const char* key : {"textureless", "repetitive", "no_label"}) {
+    const ConvergenceCounts& was = Of(before, key);
+    EXPECT_EQ(was.points, was.converged) << key;
+    EXPECT_EQ(was.false_points, was.falsely_converged) << key;
+    EXPECT_EQ(Of(result, key).converged, was.converged) << key;
+    EXPECT_EQ(Of(result, key).falsely_converged, was.falsely_converged) << key;
+    EXPECT_EQ(Of(result, key).errors, was.errors) << key;
+  }
+  EXPECT_EQ(Of(result, "textureless").points, 1U);
+  EXPECT_EQ(Of(result, "textureless").false_points, 1U);
+  EXPECT_DOUBLE_EQ(Of(result, "textureless").FalsePointRate(), 1.0 / 7);
+  EXPECT_EQ(Of(result, "repetitive").points, 0U);
+  EXPECT_EQ(Of(result, "specular").FalsePointRate(), 0);
+}
+
 TEST_F(FalseConvergenceTest, TheToleranceDecides) {
   EXPECT_EQ(Of(Measure(0.009), "no_label").falsely_converged, 1U);
   EXPECT_EQ(Of(Measure(0.03), "textureless").falsely_converged, 1U);

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -17,7 +18,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "seed traces are little-endian");
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr int kLevels = 6;  // more than Options::levels allows is damage
 constexpr std::size_t kMagicSize = sizeof(kSeedTraceMagic) - 1;
 
@@ -51,7 +52,8 @@ std::optional<std::string> FaultOf(const FileRecord& r) {
   if (!std::isfinite(r.depth) || r.depth < 0) return "the depth is not a positive number";
   if (!std::isfinite(r.sigma) || r.sigma < 0) return "sigma is not a positive number";
   if (r.fate >= static_cast<std::uint8_t>(Fate::kRemoved)) return "the fate is unknown";
-  if (r.fate == static_cast<std::uint8_t>(Fate::kConverged) && r.depth == 0) {
+  const auto fate = static_cast<Fate>(r.fate);
+  if ((fate == Fate::kConverged || fate == Fate::kTakenOut) && r.depth == 0) {
     return "a converged seed has no depth";
   }
   if (r.end_frame < r.birth_frame) return "the seed ends before its birth";
@@ -83,6 +85,15 @@ void SeedTraceWriter::Write(const SeedRecord& record) {
   if (const auto fault = FaultOf(r)) throw std::invalid_argument("seed record: " + *fault);
   file_.Write(&r, sizeof(r));
   ++count_;
+}
+
+void SeedTraceWriter::SetFate(std::uint64_t index, Fate fate) {
+  if (index >= count_) throw std::invalid_argument("seed trace: there is no such seed");
+  const auto number = static_cast<std::uint8_t>(fate);
+  file_.Seek(static_cast<std::int64_t>(sizeof(Header) + index * sizeof(FileRecord) +
+                                       offsetof(FileRecord, fate)));
+  file_.Write(&number, sizeof(number));
+  file_.Seek(file_.size());
 }
 
 void SeedTraceWriter::Finish() {

@@ -23,6 +23,10 @@ class SeedTraceWriter {
   /// (kOutOfResource) where the disk is full.
   void Write(const SeedRecord& record);
 
+  /// Changes what became of the index-th seed written.
+  /// @throws std::invalid_argument where there is none.
+  void SetFate(std::uint64_t index, Fate fate);
+
   void Finish();
 
  private:

@@ -63,7 +63,8 @@ TEST_F(SeedTraceTest, FatesHaveTheNumbersOfTheFormat) {
                         Fate::kAged,
                         Fate::kUnseen,
                         Fate::kLeftInterval,
-                        Fate::kOneSided};
+                        Fate::kOneSided,
+                        Fate::kTakenOut};
   SeedTraceWriter writer(folder_ / "fates.trace");
   for (const Fate fate : fates) writer.Write({.fate = fate, .depth = 1});
   writer.Finish();
@@ -93,6 +94,21 @@ TEST_F(SeedTraceTest, ReadsBackWhatWasWritten) {
   }
 }
 
+TEST_F(SeedTraceTest, FatesMayChangeUntilTheEnd) {
+  const std::string before = Bytes();
+  SeedTraceWriter writer(folder_ / "changed.trace");
+  const std::vector<SeedRecord> seeds = ThreeSeeds();
+  writer.Write(seeds[0]);
+  writer.Write(seeds[1]);
+  writer.SetFate(0, Fate::kTakenOut);
+  writer.Write(seeds[2]);
+  EXPECT_THROW(writer.SetFate(3, Fate::kTakenOut), std::invalid_argument);
+  writer.Finish();
+  std::string expected = before;
+  expected[kHeader + 26] = static_cast<char>(Fate::kTakenOut);
+  EXPECT_EQ(ReadBytes(folder_ / "changed.trace"), expected);
+}
+
 TEST_F(SeedTraceTest, AppearsWholeOrNotAtAll) {
   {
     SeedTraceWriter writer(folder_ / "unfinished.trace");
@@ -107,8 +123,8 @@ TEST_F(SeedTraceTest, RefusesOtherFiles) {
               HasSubstr("not a seed trace"));
   EXPECT_THAT(ErrorOf(Bytes().substr(0, kHeader - 1)), HasSubstr("not a seed trace"));
   std::string newer = Bytes();
-  newer[8] = 2;
-  EXPECT_THAT(ErrorOf(newer), HasSubstr("version 2"));
+  newer[8] = 3;
+  EXPECT_THAT(ErrorOf(newer), HasSubstr("version 3"));
   BadInputMessage([&] { ReadSeedTrace(folder_ / "absent.trace"); });
   BadInputMessage([&] { ReadSeedTrace(folder_); });
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "livemvs/core/lean.h"
+
 namespace livemvs {
 namespace {
 
@@ -74,6 +76,50 @@ TEST(FinishCloudTest, FinerPointsBeyondTheBoxDoNotReplaceThoseWithin) {
   // Without a box the finer one stands for it.
   cloud = {coarse, fine};
   EXPECT_EQ(FinishCloud(options, std::nullopt, &cloud).superseded, 1);
+}
+
+TEST(FinishCloudTest, SaysWhichPointsItKept) {
+  PointCloud cloud = Sheet();
+  const PointCloud before = cloud;
+  Point alone = cloud.front();
+  alone.position = {-1, 0, 0};
+  cloud.insert(cloud.begin(), alone);
+  Point overhanging = cloud.back();
+  overhanging.lean = LeanCode(overhanging.normal, {-1, 0, 0});  // ahead of it lies nothing
+  cloud.push_back(overhanging);
+  cloud.push_back(before.back());
+  const FinishedCloud finished = FinishCloud({}, std::nullopt, &cloud);
+  EXPECT_EQ(finished.unsupported, 1);
+  EXPECT_EQ(finished.overhanging, 1);
+  ASSERT_EQ(finished.kept.size(), cloud.size());
+  ASSERT_EQ(cloud.size(), before.size() + 1);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(finished.kept[i], i + 1);
+  EXPECT_EQ(finished.kept.back(), before.size() + 2);
+}
+
+TEST(FinishCloudTest, CoarsePointsHoldOthersBeforeFinerOnesReplaceThem) {
+  PointCloud cloud = Sheet();
+  for (Point& p : cloud) p.lean = kLeanUnknown;
+  const std::size_t last = cloud.size();
+  Point leaning = cloud.front();
+  leaning.lean = LeanCode(leaning.normal, {-1, 0, 0});
+  cloud.push_back(leaning);
+  for (int i = 3; i < 6; ++i) {
+    Point coarse = cloud[i];
+    coarse.level = 1;
+    coarse.footprint *= 2;
+    coarse.lean = kLeanNowhere;
+    cloud.push_back(coarse);
+  }
+  const Box left{{-1, -1, -1}, {5.5 * kSpacing, 1, 1}};
+  const FinishedCloud finished = FinishCloud({}, left, &cloud);
+  EXPECT_EQ(finished.overhanging, 0);
+  EXPECT_EQ(finished.superseded, 3);
+  // Of the sheet, the left six columns; and the leaning one.
+  ASSERT_EQ(cloud.size(), 6 * kSide + 1 - finished.unsupported);
+  ASSERT_EQ(finished.kept.size(), cloud.size());
+  EXPECT_EQ(finished.kept.back(), last);
+  for (std::size_t i = 0; i + 1 < cloud.size(); ++i) EXPECT_LT(finished.kept[i] % kSide, 6U);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "livemvs/map/point_index.h"
-#include "livemvs/map/remove_marked.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -81,7 +80,7 @@ void RegularisationOptions::Check() const {
   require(min_support >= 0 && min_support <= neighbors, "min_support", "0 ... neighbors");
 }
 
-std::size_t Regularise(const RegularisationOptions& options, PointCloud* cloud) {
+std::vector<char> Regularise(const RegularisationOptions& options, PointCloud* cloud) {
   options.Check();
   std::vector<Eigen::Vector3f> positions;
   std::vector<std::size_t> rows;
@@ -91,7 +90,7 @@ std::size_t Regularise(const RegularisationOptions& options, PointCloud* cloud) 
     rows.push_back(i);
   }
   const PointIndex index(std::move(positions));
-  std::vector<char> removed(cloud->size(), 0);
+  std::vector<char> unsupported(cloud->size(), 0);
   ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> nearest;
     std::vector<Neighbor> neighbors;
@@ -107,14 +106,14 @@ std::size_t Regularise(const RegularisationOptions& options, PointCloud* cloud) 
                              static_cast<double>((*cloud)[rows[n.index]].sigma)});
       }
       const Plane plane = FitPlane(neighbors);
-      removed[rows[i]] = plane.support < options.min_support;
+      unsupported[rows[i]] = plane.support < options.min_support;
       if (plane.support < kLeastForPlane) continue;
       const double sigma = point.sigma;
       const double shift = std::clamp(plane.distance, -sigma, sigma);
       point.position += (shift * plane.normal).cast<float>();
     }
   });
-  return RemoveMarked(removed, cloud);
+  return unsupported;
 }
 
 }  // namespace livemvs

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "livemvs/map/point_index.h"
-#include "livemvs/map/remove_marked.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -22,38 +21,38 @@ constexpr std::size_t kGrain = 1024;
 
 }  // namespace
 
-std::size_t RemoveSuperseded(const std::optional<Box>& box, PointCloud* cloud) {
+std::vector<char> FindSuperseded(const std::optional<Box>& box, const PointCloud& cloud) {
   const auto inside = [&](const Point& p) {
     return !box || box->Contains(p.position.cast<double>());
   };
   std::vector<Eigen::Vector3f> positions;
   std::vector<std::size_t> rows;
   float finest = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < cloud->size(); ++i) {
-    const Point& p = (*cloud)[i];
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Point& p = cloud[i];
     if (!p.position.allFinite() || !(p.footprint > 0)) continue;
     positions.push_back(p.position);
     rows.push_back(i);
     finest = std::min(finest, p.footprint);
   }
   const PointIndex index(std::move(positions));
-  std::vector<char> superseded(cloud->size(), 0);
+  std::vector<char> superseded(cloud.size(), 0);
   ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
     for (std::size_t i = first; i < last; ++i) {
-      const Point& coarse = (*cloud)[rows[i]];
+      const Point& coarse = cloud[rows[i]];
       const float footprint = coarse.footprint;
       if (!(footprint * kFiner > finest)) continue;
       index.Nearest(index.points()[i], kNeighbors, &neighbors);
       for (const PointIndex::Neighbor& n : neighbors) {
         if (n.distance2 > footprint * footprint) break;
-        const Point& fine = (*cloud)[rows[n.index]];
+        const Point& fine = cloud[rows[n.index]];
         if (!(fine.footprint < kFiner * footprint)) continue;
         if (inside(fine) || !inside(coarse)) superseded[rows[i]] = 1;
       }
     }
   });
-  return RemoveMarked(superseded, cloud);
+  return superseded;
 }
 
 }  // namespace livemvs

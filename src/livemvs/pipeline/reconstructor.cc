@@ -8,7 +8,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "livemvs/core/lean.h"
 #include "livemvs/core/log.h"
+#include "livemvs/core/texture.h"
 #include "livemvs/parallel/parallel_for.h"
 #include "livemvs/pipeline/seed_groups.h"
 #include "livemvs/pipeline/side_check.h"
@@ -39,6 +41,24 @@ int PlantEvery(const Options& options) {
 std::unique_ptr<Backend> MakeCheckedBackend(const Options& options) {
   options.Check();
   return MakeBackend(options);
+}
+
+// Where the texture of a seed's patch lies, of which the reference camera saw the middle from
+// `towards_camera` [world].
+std::uint8_t LeanOf(const Options& options,
+                    const ReferenceFrame& reference,
+                    const EndedSeed& ended,
+                    const Eigen::Vector3f& towards_camera) {
+  const TextureMoments texture = MomentsOfTexture(
+      NoiseVariance(options, reference.level), ended.patch + kPatchPixels / 2, kPatchSize);
+  if (!(texture.sum > 0)) return kLeanUnknown;
+  if (IsCentred(kCentredPx, texture)) return kLeanNowhere;
+  const Eigen::Vector2d step =
+      BearingPerPixel(reference.camera, ended.seed.bearing_x, ended.seed.bearing_y) *
+      Eigen::Vector2d(texture.x, texture.y);
+  const Eigen::Vector3d in_world =
+      reference.cam_from_world.rotation.transpose() * Eigen::Vector3d(step.x(), step.y(), 0);
+  return LeanCode(towards_camera, in_world.normalized().cast<float>());
 }
 
 }  // namespace
@@ -132,7 +152,7 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
     End& end = ends[i];
     if (end.fate != Fate::kConverged) return;
     if (sides.Passes(*end.reference, *end.ended)) {
-      end.point = PointOf(*end.reference, end.ended->seed, frame, projector);
+      end.point = PointOf(*end.reference, *end.ended, frame, projector);
     } else {
       end.fate = Fate::kOneSided;
     }
@@ -150,6 +170,7 @@ void Reconstructor::CollectSeeds(const PosedFrame& frame) {
 void Reconstructor::CountEnd(Fate fate) {
   switch (fate) {
     case Fate::kAlive:
+    case Fate::kTakenOut:
     case Fate::kRemoved:
       break;
     case Fate::kConverged:
@@ -174,9 +195,10 @@ void Reconstructor::CountEnd(Fate fate) {
 }
 
 Point Reconstructor::PointOf(const ReferenceFrame& reference,
-                             const SeedState& seed,
+                             const EndedSeed& ended,
                              const PosedFrame& frame,
                              const Projector& projector) const {
+  const SeedState& seed = ended.seed;
   const Posterior<float>& q = seed.posterior;
   const Eigen::Vector3d bearing = Eigen::Vector3d(seed.bearing_x, seed.bearing_y, 1).normalized();
   const DepthEstimate<float> z = DepthOf<float>(options_.coordinate, seed.interval, q.mu, q.sigma2);
@@ -189,6 +211,8 @@ Point Reconstructor::PointOf(const ReferenceFrame& reference,
   point.sigma = z.sigma;
   point.inlier_ratio = q.a / (q.a + q.b);
   point.views = seed.counts.views;
+  point.level = static_cast<std::uint8_t>(reference.level);
+  point.lean = LeanOf(options_, reference, ended, point.normal);
   point.footprint = z.depth / static_cast<float>(reference.camera.FocalLength());
   point.frame = FrameNumber(frame.index);
   if (const auto pixel = projector.Project(in_cur)) {

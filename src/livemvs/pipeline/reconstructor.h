@@ -90,7 +90,7 @@ class Reconstructor {
   void CollectSeeds(const PosedFrame& frame);
   void CountEnd(Fate fate);
   Point PointOf(const ReferenceFrame& reference,
-                const SeedState& seed,
+                const EndedSeed& ended,
                 const PosedFrame& frame,
                 const Projector& projector) const;
   SeedRecord RecordOf(const ReferenceFrame& reference, const SeedState& seed) const;

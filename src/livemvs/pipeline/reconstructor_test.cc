@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "livemvs/backend/cuda/cuda_backend.h"
+#include "livemvs/core/lean.h"
 #include "livemvs/reference/algorithm1.h"
 #include "plane_scene.h"
 
@@ -81,6 +82,40 @@ TEST(ReconstructorTest, FindsThePlane) {
     EXPECT_GE(p.views, TestOptions().min_views);
   }
   EXPECT_GT(static_cast<double>(good), 0.99 * static_cast<double>(r.points.size()));
+}
+
+TEST(ReconstructorTest, PointsLeanTowardsTheirTexture) {
+  PlaneScene scene;
+  scene.plain_left = 0;
+  std::vector<Rigid3d> rolled = SidewaysPath(kFrames);
+  const Rigid3d roll{Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+                     Eigen::Vector3d::Zero()};
+  for (Rigid3d& cam_from_world : rolled) cam_from_world = roll * cam_from_world;
+  Options options = TestOptions();
+  options.levels = 2;
+  options.max_texture_offset_px = 0;
+  const Result result = Reconstruct(options, NearFar(), scene.Render(rolled));
+  int beside = 0, within = 0, centred = 0, coarse = 0;
+  double towards = 0;
+  for (const Point& p : result.points) {
+    // As far away as from the first camera, more or less.
+    const double pixel = static_cast<double>(p.position.norm()) / scene.camera.FocalLength();
+    EXPECT_NEAR(p.footprint, std::ldexp(pixel, p.level), 0.3 * std::ldexp(pixel, p.level));
+    coarse += p.level == 1;
+    if (p.position.x() < -0.7F * p.footprint) {
+      // Whose texture begins beside them. That varies along the edge, too.
+      ++beside;
+      ASSERT_TRUE(Leans(p.lean));
+      towards += static_cast<double>(LeanDirection(p.normal, p.lean).x());
+    } else if (p.position.x() > 3 * p.footprint) {
+      ++within;
+      centred += p.lean == kLeanNowhere;
+    }
+  }
+  EXPECT_GT(coarse, 20);
+  ASSERT_GT(beside, 20);
+  EXPECT_GT(towards, 0.85 * beside);
+  EXPECT_GT(centred, within / 10);
 }
 
 TEST(ReconstructorTest, EverySeedHasOneEnd) {

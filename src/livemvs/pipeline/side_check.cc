@@ -1,6 +1,5 @@
 #include "livemvs/pipeline/side_check.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -64,16 +63,10 @@ std::optional<Grid> GridOf(const ReferenceFrame& reference,
                            double by,
                            double z_depth) {
   const Camera& camera = reference.camera;
-  const auto lens = VisitModel(camera.model, [&](auto model) {
-    return decltype(model)::template Distort<double>(camera.distortion.data(), bx, by);
-  });
-  Eigen::Matrix2d pixel_from_bearing;
-  pixel_from_bearing << camera.fx * lens.xx, camera.fx * lens.xy, camera.fy * lens.yx,
-      camera.fy * lens.yy;
-  const Eigen::Matrix2d bearing_from_pixel = pixel_from_bearing.inverse();
+  const Eigen::Matrix2d bearing_per_pixel = BearingPerPixel(camera, bx, by);
   const Rigid3d cur_from_ref = cam_from_world * reference.cam_from_world.Inverse();
   const auto project = [&](const Eigen::Vector2d& step) {
-    const Eigen::Vector2d bearing = Eigen::Vector2d(bx, by) + bearing_from_pixel * step;
+    const Eigen::Vector2d bearing = Eigen::Vector2d(bx, by) + bearing_per_pixel * step;
     return projector.Project(
         cur_from_ref * Eigen::Vector3d(z_depth * bearing.x(), z_depth * bearing.y(), z_depth));
   };

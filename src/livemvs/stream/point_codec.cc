@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "livemvs/core/lean.h"
 #include "livemvs/stream/bytes.h"
 
 namespace livemvs {
@@ -17,6 +18,8 @@ constexpr float kNormalSteps = 127;
 /// Lengths are scale * 2^(-q / kPerOctave); the last code is zero.
 constexpr float kPerOctave = 16;
 constexpr int kZeroLength = 255;
+constexpr int kLeanCodes = 32;
+static_assert(kLeanNowhere == kLeanCodes - 1, "the lean fills five bits of the format");
 constexpr std::size_t kSmallestGroup = 64;
 constexpr float kMaxCoordinate = 1e18F;
 
@@ -79,6 +82,15 @@ Eigen::Vector3f NormalOf(std::int8_t code_u, std::int8_t code_v) {
   return Eigen::Vector3f(u, v, z).normalized();
 }
 
+// The level, and where the texture lies: what overhangs is looked for when a scan is finished,
+// which may be a later run. The direction is put as the reader will take it, from the coded normal.
+std::uint8_t SideCode(const Point& p, const Eigen::Vector3f& coded_normal) {
+  const int level = std::min<int>(p.level, 256 / kLeanCodes - 1);
+  std::uint8_t lean = std::min(p.lean, kLeanNowhere);
+  if (Leans(lean)) lean = LeanCode(coded_normal, LeanDirection(p.normal, lean));
+  return static_cast<std::uint8_t>(level * kLeanCodes + lean);
+}
+
 void PutPoints(std::span<const Point> points, ByteWriter* out) {
   const Frame frame = FrameOf(points);
   for (int i = 0; i < 3; ++i) out->Put(frame.min[i]);
@@ -91,13 +103,14 @@ void PutPoints(std::span<const Point> points, ByteWriter* out) {
           frame.extent[i] > 0 ? (p.position[i] - frame.min[i]) / frame.extent[i] : 0;
       out->Put(static_cast<std::uint16_t>(std::clamp(std::round(share * kSteps), 0.0F, kSteps)));
     }
-    for (const std::int8_t code : NormalCode(p.normal)) out->Put(code);
+    const std::array<std::int8_t, 2> normal = NormalCode(p.normal);
+    for (const std::int8_t code : normal) out->Put(code);
     for (const std::uint8_t c : p.color) out->Put(c);
     out->Put(static_cast<std::uint8_t>(std::lround(std::clamp(p.inlier_ratio, 0.0F, 1.0F) * 255)));
     out->Put(LengthCode(p.sigma, frame.sigma_scale));
     out->Put(LengthCode(p.footprint, frame.footprint_scale));
     out->Put(static_cast<std::uint8_t>(std::min<int>(p.views, 255)));
-    out->Put(std::uint8_t{0});
+    out->Put(SideCode(p, NormalOf(normal[0], normal[1])));
   }
 }
 
@@ -124,7 +137,9 @@ Point GetPoint(const Frame& frame, ByteReader* in) {
   p.sigma = LengthOf(in->Get<std::uint8_t>(), frame.sigma_scale);
   p.footprint = LengthOf(in->Get<std::uint8_t>(), frame.footprint_scale);
   p.views = in->Get<std::uint8_t>();
-  in->Get<std::uint8_t>();
+  const auto side = in->Get<std::uint8_t>();
+  p.level = static_cast<std::uint8_t>(side / kLeanCodes);
+  p.lean = static_cast<std::uint8_t>(side % kLeanCodes);
   return p;
 }
 

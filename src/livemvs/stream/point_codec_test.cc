@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "livemvs/core/lean.h"
 #include "livemvs/stream/bytes.h"
 
 namespace livemvs {
@@ -15,6 +16,7 @@ namespace {
 // Quantisation, see EncodePoints().
 constexpr float kLengthError = 0.022F;                                 // half of 1/16 octave
 constexpr float kNormalError = 1.0F * static_cast<float>(M_PI) / 180;  // [rad]
+constexpr float kLeanError = 7.5F * static_cast<float>(M_PI) / 180;    // [rad]
 constexpr float kRatioError = 0.5F / 255 + 1e-6F;
 constexpr float kFloatRounding = 4e-7F;  // relative to the largest coordinate
 
@@ -25,11 +27,16 @@ PointCloud RandomPoints(std::size_t count, float extent, unsigned seed) {
   for (Point& p : points) {
     p.position = extent / 2 * Eigen::Vector3f(unit(random), unit(random), unit(random));
     p.normal = Eigen::Vector3f(unit(random), unit(random), unit(random)).normalized();
+    // Some along the z axis, where directions across the normal are hardest to tell.
+    if (random() % 4 == 0) p.normal = {0.02F * unit(random), 0.02F * unit(random), p.normal.z()};
+    p.normal.normalize();
     p.color = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 3};
     p.sigma = 1e-3F * std::exp2(3 * unit(random));
     p.footprint = 2e-3F * std::exp2(2 * unit(random));
     p.inlier_ratio = std::abs(unit(random));
     p.views = static_cast<std::uint16_t>(random() % 256);
+    p.level = static_cast<std::uint8_t>(random() % 8);
+    p.lean = static_cast<std::uint8_t>(random() % (kLeanNowhere + 1));
   }
   return points;
 }
@@ -42,6 +49,15 @@ void ExpectClose(const Point& a, const Point& b, float position_error) {
   EXPECT_NEAR(a.sigma, b.sigma, kLengthError * a.sigma);
   EXPECT_NEAR(a.footprint, b.footprint, kLengthError * a.footprint);
   EXPECT_EQ(a.views, b.views);
+  EXPECT_EQ(a.level, b.level);
+  if (Leans(a.lean)) {
+    // Half a step of the code, and what the normal is off by.
+    ASSERT_TRUE(Leans(b.lean));
+    const float aligned = LeanDirection(a.normal, a.lean).dot(LeanDirection(b.normal, b.lean));
+    EXPECT_GT(aligned, std::cos(kLeanError));
+  } else {
+    EXPECT_EQ(a.lean, b.lean);
+  }
 }
 
 TEST(PointCodec, PointsComeBackWithinTheQuantisation) {

@@ -1,0 +1,126 @@
+#include "livemvs/map/overhang.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <stdexcept>
+
+#include "livemvs/core/lean.h"
+#include "livemvs/map/point_index.h"
+#include "livemvs/parallel/parallel_for.h"
+
+namespace livemvs {
+namespace {
+
+constexpr std::size_t kGrain = 512;
+
+// Points that must agree: one may be as wrong as the point itself.
+constexpr int kSupporters = 3;
+
+// Places ahead about which they are sought, each twice as far as the one before, the last at
+// 1 / sqrt(2) of the reach.
+constexpr int kPlaces = 5;
+
+// Of each, the nearest of this many are looked at.
+constexpr int kNeighbors = 16;
+
+// Most offset sideways, and along the line of sight, of a supporter: in its distance ahead, and in
+// its distance across the line of sight.
+constexpr float kSideways = 0.6F;
+constexpr float kSteepest = 2;
+
+// Standard deviations that a supporter's depth may be off by.
+constexpr float kSigmas = 2;
+
+bool IsWhole(const Point& p) {
+  return p.position.allFinite() && p.normal.allFinite() && p.normal.squaredNorm() > 0.5F &&
+         p.footprint > 0 && std::isfinite(p.footprint) && std::isfinite(p.sigma);
+}
+
+class Supporters {
+ public:
+  Supporters(float reach_px, const PointCloud& cloud)
+      : reach_px_(reach_px), cloud_(cloud), rows_(Centred(cloud)), index_(Positions()) {}
+
+  // `nearest`: a buffer, kept between calls to save allocations.
+  bool Hold(const Point& p, std::vector<PointIndex::Neighbor>* nearest) const {
+    const float reach = reach_px_ * std::ldexp(p.footprint, -p.level);
+    const Eigen::Vector3f ahead = -LeanDirection(p.normal, p.lean);
+    std::array<std::uint32_t, kSupporters> found{};
+    auto end = found.begin();
+    for (int place = kPlaces - 1; place >= 0; --place) {
+      const float distance = std::ldexp(reach / std::numbers::sqrt2_v<float>, -place);
+      index_.Nearest(p.position + distance * ahead, kNeighbors, nearest);
+      for (const PointIndex::Neighbor& n : *nearest) {
+        if (!Agrees(p, ahead, reach, cloud_[rows_[n.index]])) continue;
+        if (std::find(found.begin(), end, n.index) != end) continue;
+        *end++ = n.index;
+        if (end == found.end()) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  static std::vector<std::size_t> Centred(const PointCloud& cloud) {
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      if (cloud[i].lean == kLeanNowhere && IsWhole(cloud[i])) rows.push_back(i);
+    }
+    return rows;
+  }
+
+  std::vector<Eigen::Vector3f> Positions() const {
+    std::vector<Eigen::Vector3f> positions;
+    positions.reserve(rows_.size());
+    for (const std::size_t row : rows_) positions.push_back(cloud_[row].position);
+    return positions;
+  }
+
+  static bool Agrees(const Point& p,
+                     const Eigen::Vector3f& ahead,
+                     float reach,
+                     const Point& other) {
+    const Eigen::Vector3f offset = other.position - p.position;
+    const float far = offset.dot(ahead), deep = offset.dot(p.normal);
+    if (!(far > 0 && far <= reach)) return false;
+    const float across = (offset - deep * p.normal).norm();
+    const float sideways = std::sqrt(std::max(across * across - far * far, 0.0F));
+    const float spread = kSigmas * std::hypot(p.sigma, other.sigma);
+    return sideways <= kSideways * far && std::abs(deep) <= kSteepest * across + spread;
+  }
+
+  float reach_px_;
+  const PointCloud& cloud_;
+  std::vector<std::size_t> rows_;  // of the centred points
+  PointIndex index_;
+};
+
+}  // namespace
+
+void OverhangOptions::Check() const {
+  if (!(reach_px > 0 && std::isfinite(reach_px))) {
+    throw std::invalid_argument("reach_px must be positive");
+  }
+}
+
+std::vector<char> FindOverhanging(const OverhangOptions& options, const PointCloud& cloud) {
+  options.Check();
+  std::vector<char> overhanging(cloud.size(), 0);
+  if (std::none_of(cloud.begin(), cloud.end(), [](const Point& p) { return Leans(p.lean); })) {
+    return overhanging;  // as with clouds of which nothing is known
+  }
+  const Supporters supporters(options.reach_px, cloud);
+  ParallelForRange(0, cloud.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    std::vector<PointIndex::Neighbor> nearest;
+    for (std::size_t i = first; i < last; ++i) {
+      const Point& p = cloud[i];
+      if (Leans(p.lean) && IsWhole(p)) overhanging[i] = supporters.Hold(p, &nearest) ? 0 : 1;
+    }
+  });
+  return overhanging;
+}
+
+}  // namespace livemvs
