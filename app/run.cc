@@ -91,9 +91,8 @@ class TraceObserver : public SeedObserver {
  public:
   explicit TraceObserver(const fs::path& path) : writer_(path) {}
   void OnSeed(const SeedRecord& record) override {
+    if (record.fate == Fate::kConverged) converged_.push_back(writer_.count());
     writer_.Write(record);
-    if (record.fate == Fate::kConverged) converged_.push_back(written_);
-    ++written_;
   }
   // `kept`: of the points, one for each seed that converged, those that are in the cloud;
   // ascending.
@@ -111,7 +110,6 @@ class TraceObserver : public SeedObserver {
 
  private:
   SeedTraceWriter writer_;
-  std::uint64_t written_ = 0;
   std::vector<std::uint64_t> converged_;  // their places in the trace
 };
 

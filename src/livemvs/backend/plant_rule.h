@@ -139,10 +139,7 @@ LIVEMVS_DEVICE bool SeedAt(
   constexpr double kShortestInterval = 0.01;
   const std::uint8_t* center = &view.grey(x, y);
   if (!CanMatch(options, view.noise2, center, view.grey.stride)) return false;
-  if (view.max_offset > 0 &&
-      !IsCentred(view.max_offset, MomentsOfTexture(view.noise2, center, view.grey.stride))) {
-    return false;
-  }
+  if (!IsCentred(view.max_offset, view.noise2, center, view.grey.stride)) return false;
   double ray_x = 0, ray_y = 0;
   if (!UnprojectPixel<Model>(view.camera, x, y, &ray_x, &ray_y)) return false;
   const double norm = std::sqrt(ray_x * ray_x + ray_y * ray_y + 1);

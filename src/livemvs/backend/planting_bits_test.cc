@@ -176,9 +176,7 @@ class PlainPlanting {
     const float noise2 = NoiseVariance(options_, level);
     if (!CanMatch(options_, noise2, &grey(c.x, c.y), grey.stride)) return false;
     const float most = level > 0 ? 0 : options_.max_texture_offset_px;
-    if (most > 0 && !IsCentred(most, MomentsOfTexture(noise2, &grey(c.x, c.y), grey.stride))) {
-      return false;
-    }
+    if (!IsCentred(most, noise2, &grey(c.x, c.y), grey.stride)) return false;
     const auto ray = projectors_[level].Unproject({c.x, c.y});
     if (!ray) return false;
     const Rigid3d& pose = planting_.frame.cam_from_world;

@@ -163,6 +163,15 @@ LIVEMVS_HD inline bool IsCentred(float most, const TextureMoments& texture) {
   return texture.x * texture.x + texture.y * texture.y <= most * most * texture.sum * texture.sum;
 }
 
+/// The same of a patch; `most` = 0: it may lie anywhere.
+/// @param center, stride  See LargestTexture().
+LIVEMVS_HD inline bool IsCentred(float most,
+                                 float noise2,
+                                 const std::uint8_t* center,
+                                 std::ptrdiff_t stride) {
+  return most <= 0 || IsCentred(most, MomentsOfTexture(noise2, center, stride));
+}
+
 /// Whether matches of a patch may be precise enough along a line of some direction.
 /// @param center, stride  See LargestTexture().
 LIVEMVS_HD inline bool CanMatch(const Options& options,

@@ -96,11 +96,10 @@ TEST(Texture, IsCentredWhereItsCentroidIsNearTheMiddle) {
   // Edges between the columns 0 and 1, ... lie 1.5 and 0.5 px from the middle.
   const bool near[] = {false, true, true, false};
   for (int edge = 1; edge < kPatchSize; ++edge) {
-    EXPECT_EQ(IsCentred(1, MomentsOfTexture(4, CenterOf(StepAt(edge)), kStride)), near[edge - 1])
-        << edge;
-    EXPECT_EQ(IsCentred(1, MomentsOfTexture(4, CenterOf(StepAt(edge, 2)), kStride)), near[edge - 1])
-        << edge;
-    EXPECT_TRUE(IsCentred(1.6F, MomentsOfTexture(4, CenterOf(StepAt(edge)), kStride))) << edge;
+    EXPECT_EQ(IsCentred(1, 4, CenterOf(StepAt(edge)), kStride), near[edge - 1]) << edge;
+    EXPECT_EQ(IsCentred(1, 4, CenterOf(StepAt(edge, 2)), kStride), near[edge - 1]) << edge;
+    EXPECT_TRUE(IsCentred(1.6F, 4, CenterOf(StepAt(edge)), kStride)) << edge;
+    EXPECT_TRUE(IsCentred(0, 4, CenterOf(StepAt(edge)), kStride)) << edge;
     const TextureMoments texture = MomentsOfTexture(4, CenterOf(StepAt(edge)), kStride);
     ASSERT_GT(texture.sum, 0);
     EXPECT_FLOAT_EQ(texture.x / texture.sum, static_cast<float>(edge) - 2.5F);
@@ -111,8 +110,8 @@ TEST(Texture, IsCentredWhereItsCentroidIsNearTheMiddle) {
   for (int i = 0; i < static_cast<int>(line.size()); ++i) {
     if (i % kStride == kPatchSize - 1) line[i] = 60;
   }
-  EXPECT_TRUE(IsCentred(0.1F, MomentsOfTexture(4, CenterOf(line), kStride)));
-  EXPECT_TRUE(IsCentred(0.1F, MomentsOfTexture(4, CenterOf(StepAt(kStride)), kStride)));
+  EXPECT_TRUE(IsCentred(0.1F, 4, CenterOf(line), kStride));
+  EXPECT_TRUE(IsCentred(0.1F, 4, CenterOf(StepAt(kStride)), kStride));
 }
 
 TEST(Texture, NoiseMovesNoCentroid) {
@@ -120,8 +119,8 @@ TEST(Texture, NoiseMovesNoCentroid) {
   // side.
   Picture picture = StepAt(kStride, 4);
   for (int r = 0; r < kPatchSize; ++r) picture[r * kStride] = r % 2 ? 68 : 52;
-  EXPECT_TRUE(IsCentred(1.3F, MomentsOfTexture(0, CenterOf(picture), kStride)));
-  EXPECT_FALSE(IsCentred(1.3F, MomentsOfTexture(25, CenterOf(picture), kStride)));
+  EXPECT_TRUE(IsCentred(1.3F, 0, CenterOf(picture), kStride));
+  EXPECT_FALSE(IsCentred(1.3F, 25, CenterOf(picture), kStride));
 }
 
 }  // namespace

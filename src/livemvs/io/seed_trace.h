@@ -27,6 +27,9 @@ class SeedTraceWriter {
   /// @throws std::invalid_argument where there is none.
   void SetFate(std::uint64_t index, Fate fate);
 
+  /// Seeds written so far.
+  std::uint64_t count() const { return count_; }
+
   void Finish();
 
  private:
