@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "livemvs/core/lean.h"
-#include "livemvs/map/point_index.h"
+#include "livemvs/map/picked_points.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -42,7 +42,9 @@ bool IsWhole(const Point& p) {
 class Supporters {
  public:
   Supporters(float reach_px, const PointCloud& cloud)
-      : reach_px_(reach_px), cloud_(cloud), rows_(Centred(cloud)), index_(Positions()) {}
+      : reach_px_(reach_px), cloud_(cloud), centred_(PickPoints(cloud, [](const Point& p) {
+          return p.lean == kLeanNowhere && IsWhole(p);
+        })) {}
 
   // `nearest`: a buffer, kept between calls to save allocations.
   bool Hold(const Point& p, std::vector<PointIndex::Neighbor>* nearest) const {
@@ -52,9 +54,9 @@ class Supporters {
     auto end = found.begin();
     for (int place = kPlaces - 1; place >= 0; --place) {
       const float distance = std::ldexp(reach / std::numbers::sqrt2_v<float>, -place);
-      index_.Nearest(p.position + distance * ahead, kNeighbors, nearest);
+      centred_.index.Nearest(p.position + distance * ahead, kNeighbors, nearest);
       for (const PointIndex::Neighbor& n : *nearest) {
-        if (!Agrees(p, ahead, reach, cloud_[rows_[n.index]])) continue;
+        if (!Agrees(p, ahead, reach, cloud_[centred_.rows[n.index]])) continue;
         if (std::find(found.begin(), end, n.index) != end) continue;
         *end++ = n.index;
         if (end == found.end()) return true;
@@ -64,21 +66,6 @@ class Supporters {
   }
 
  private:
-  static std::vector<std::size_t> Centred(const PointCloud& cloud) {
-    std::vector<std::size_t> rows;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      if (cloud[i].lean == kLeanNowhere && IsWhole(cloud[i])) rows.push_back(i);
-    }
-    return rows;
-  }
-
-  std::vector<Eigen::Vector3f> Positions() const {
-    std::vector<Eigen::Vector3f> positions;
-    positions.reserve(rows_.size());
-    for (const std::size_t row : rows_) positions.push_back(cloud_[row].position);
-    return positions;
-  }
-
   static bool Agrees(const Point& p,
                      const Eigen::Vector3f& ahead,
                      float reach,
@@ -94,8 +81,7 @@ class Supporters {
 
   float reach_px_;
   const PointCloud& cloud_;
-  std::vector<std::size_t> rows_;  // of the centred points
-  PointIndex index_;
+  PickedPoints centred_;  // texture all around
 };
 
 }  // namespace

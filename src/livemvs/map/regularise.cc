@@ -5,10 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "livemvs/map/point_index.h"
+#include "livemvs/map/picked_points.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -82,14 +81,9 @@ void RegularisationOptions::Check() const {
 
 std::vector<char> Regularise(const RegularisationOptions& options, PointCloud* cloud) {
   options.Check();
-  std::vector<Eigen::Vector3f> positions;
-  std::vector<std::size_t> rows;
-  for (std::size_t i = 0; i < cloud->size(); ++i) {
-    if (!KnowsItsUncertainty((*cloud)[i])) continue;
-    positions.push_back((*cloud)[i].position);
-    rows.push_back(i);
-  }
-  const PointIndex index(std::move(positions));
+  const PickedPoints picked = PickPoints(*cloud, KnowsItsUncertainty);
+  const std::vector<std::size_t>& rows = picked.rows;
+  const PointIndex& index = picked.index;
   std::vector<char> unsupported(cloud->size(), 0);
   ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> nearest;

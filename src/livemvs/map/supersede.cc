@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 #include <vector>
 
-#include "livemvs/map/point_index.h"
+#include "livemvs/map/picked_points.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -25,17 +24,12 @@ std::vector<char> FindSuperseded(const std::optional<Box>& box, const PointCloud
   const auto inside = [&](const Point& p) {
     return !box || box->Contains(p.position.cast<double>());
   };
-  std::vector<Eigen::Vector3f> positions;
-  std::vector<std::size_t> rows;
+  const PickedPoints picked =
+      PickPoints(cloud, [](const Point& p) { return p.position.allFinite() && p.footprint > 0; });
+  const std::vector<std::size_t>& rows = picked.rows;
+  const PointIndex& index = picked.index;
   float finest = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Point& p = cloud[i];
-    if (!p.position.allFinite() || !(p.footprint > 0)) continue;
-    positions.push_back(p.position);
-    rows.push_back(i);
-    finest = std::min(finest, p.footprint);
-  }
-  const PointIndex index(std::move(positions));
+  for (const std::size_t row : rows) finest = std::min(finest, cloud[row].footprint);
   std::vector<char> superseded(cloud.size(), 0);
   ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
