@@ -55,22 +55,19 @@ void AddResources(nlohmann::json* statistics) {
 namespace {
 
 void ExplainEmptyCloud(const ReconstructionStatistics& s, const FinishedCloud& finished) {
-  const std::size_t most = std::max({finished.outside, finished.unsupported, finished.overhanging});
-  if (most > 0 && most == finished.outside) {
-    LogWarning("no point is left: they lie outside of the box; check --box and its unit");
-    return;
-  }
-  if (most > 0 && most == finished.overhanging) {
-    LogWarning(
-        "no point is left: beside the texture of each no others lie on its surface; film longer, "
-        "or "
-        "try --set overhang_px=0");
-    return;
-  }
-  if (most > 0) {
-    LogWarning(
-        "no point is left: too few of them lie on a surface with others; try --set "
-        "min_support=0");
+  const std::pair<std::size_t, const char*> causes[] = {
+      {finished.outside, "they lie outside of the box; check --box and its unit"},
+      {finished.overhanging,
+       "beside the texture of each no others lie on its surface; film longer, or try --set "
+       "overhang_px=0"},
+      {finished.unsupported,
+       "too few of them lie on a surface with others; try --set min_support=0"},
+      {finished.rims,
+       "none has others of its surface all around; film longer, or try --set rim_px=0"}};
+  const auto& most = *std::max_element(
+      std::begin(causes), std::end(causes), [](auto& a, auto& b) { return a.first < b.first; });
+  if (most.first > 0) {
+    LogWarning(std::string("no point is left: ") + most.second);
     return;
   }
   std::string reason = "too few frames";
@@ -101,6 +98,7 @@ FinishedCloud FinishPoints(const Options& options,
   (*statistics)["removed"] = {{"overhanging", finished.overhanging},
                               {"superseded", finished.superseded},
                               {"unsupported", finished.unsupported},
+                              {"rims", finished.rims},
                               {"outside", finished.outside}};
   if (cloud->empty()) {
     ExplainEmptyCloud(reconstruction, finished);

@@ -186,6 +186,7 @@ void Options::Check() const {
   Within(0, overhang_px, 1000, "overhang_px");
   Within(0, regularise_px, 100, "regularise_px");
   Within(0, min_support, 16, "min_support");
+  Within(0, rim_px, 100, "rim_px");
   Within(0, threads, 1024, "threads");
 }
 
@@ -195,6 +196,7 @@ Options PaperOptions() {
   o.levels = 1;
   o.plant_every = 1;
   o.min_move = 0;
+  o.cover_radius_px = 1;
   o.min_patch_stddev = 0;
   o.max_texture_offset_px = 0;
   o.prior_a = 10;
@@ -225,6 +227,7 @@ Options PaperOptions() {
   o.overhang_px = 0;
   o.regularise_px = 0;
   o.min_support = 0;
+  o.rim_px = 0;
   return o;
 }
 

@@ -48,18 +48,18 @@ struct Options {
   /// Seeds are planted in frames that are at least so many apart: frames of a video that follow
   /// each other offer nearly the same pixels, and seeds of one frame are quicker to handle
   /// together. 1: in every frame, as published; 0: in every frame with Search::kFull, in every
-  /// third with kWindow. Frames of several cameras in turn want a number that does not favour one
+  /// sixth with kWindow. Frames of several cameras in turn want a number that does not favour one
   /// of them.
   int plant_every = 0;
   /// A seed meets a frame only if the camera has moved since the last that it met, by this share of
   /// its distance from the seed's own frame, or if it has left out kMostLeftOut frames: from nearly
   /// the same place a match has nearly the same error again. 0: every frame, as published.
-  float min_move = 0.02F;
+  float min_move = 0.03F;
   /// Distance between neighbouring seeds of one frame [px].
   int seed_spacing_px = 1;
   /// A pixel is given a seed only if no live seed and no point that was seen from a similar
   /// direction projects within this many pixels of it; -1 plants everywhere. [VH11] does not say.
-  int cover_radius_px = 1;
+  int cover_radius_px = 0;
   /// Points seen from directions further apart than this do not cover each other [degrees].
   float cover_angle_deg = 50;
   /// Least standard deviation of a patch's grey levels to be worth a seed, ...
@@ -77,8 +77,8 @@ struct Options {
 
   // --- The prior, [VH11] Sec. 4.2
   // ---------------------------------------------------------------------
-  float prior_a = 5;  ///< a_0
-  float prior_b = 5;  ///< b_0
+  float prior_a = 3;  ///< a_0
+  float prior_b = 3;  ///< b_0
   DepthCoordinate coordinate = DepthCoordinate::kInverseDepth;
 
   // --- The search, [VH11] Sec. 4.2
@@ -128,12 +128,12 @@ struct Options {
   float epsilon_range = 0;
   /// ... below this many pixels' width at that depth (Z / f), the pixels being those of the seed's
   /// level. At least one of the two must be positive.
-  float epsilon_px = 1.05F;
+  float epsilon_px = 1.4F;
   /// Fewest measurements that agreed.
   int min_views = 8;
   /// Least NCC score, in the frame in which a seed converges, of each half of its patch that has
   /// texture: where a half does not match, it shows another surface. -1: not asked, as published.
-  float min_side_ncc = 0.3F;
+  float min_side_ncc = 0.6F;
   /// Frames met that told something, or would have if the patch could be matched, after which a
   /// seed that has not converged is given up; 0: never.
   int max_age = 66;
@@ -151,6 +151,9 @@ struct Options {
   /// Fewest points on that plane, itself included, for a point to stay; 0: all stay. Needs
   /// regularise_px.
   int min_support = 4;
+  /// A point stays only if others of its surface lie all around it, within this many pixels of the
+  /// finest level or among the nearest [px]; 0: all stay.
+  float rim_px = 5.25F;
 
   /// Worker threads; 0: all cores. Results do not depend on it.
   int threads = 0;
@@ -207,6 +210,7 @@ void VisitOptions(AnyOptions& o, Visit&& visit) {
   visit("overhang_px", o.overhang_px);
   visit("regularise_px", o.regularise_px);
   visit("min_support", o.min_support);
+  visit("rim_px", o.rim_px);
   visit("threads", o.threads);
   visit("backend", o.backend);
 }

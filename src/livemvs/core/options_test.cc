@@ -30,6 +30,7 @@ TEST(OptionsTest, PaperPresetHasThePapersConstants) {
   EXPECT_FLOAT_EQ(o.eta_inlier, 0.1F);    // Sec. 4.3
   EXPECT_FLOAT_EQ(o.outlier_certainty, 0.99F);
   EXPECT_EQ(o.overhang_px, 0);
+  EXPECT_EQ(o.rim_px, 0);
   EXPECT_EQ(o.coordinate, DepthCoordinate::kDepth);
   EXPECT_EQ(o.outlier_density, OutlierDensity::kRange);  // Eq. (1)
   EXPECT_EQ(o.min_ncc, -1);                              // any local maximum
@@ -58,6 +59,8 @@ TEST(OptionsTest, CheckNamesOptionAndValue) {
          o->epsilon_px = 0;
          o->epsilon_range = 0;
        }},
+      {"rim_px", [](Options* o) { o->rim_px = -1; }},
+      {"rim_px", [](Options* o) { o->rim_px = std::nanf(""); }},
       {"overhang_px", [](Options* o) { o->overhang_px = -1; }},
       {"overhang_px", [](Options* o) { o->overhang_px = std::nanf(""); }},
       {"max_age", [](Options* o) { o->max_age = 70'000; }},

@@ -5,6 +5,7 @@
 #include "livemvs/map/overhang.h"
 #include "livemvs/map/regularise.h"
 #include "livemvs/map/remove_marked.h"
+#include "livemvs/map/rim.h"
 #include "livemvs/map/supersede.h"
 
 namespace livemvs {
@@ -36,6 +37,7 @@ FinishedCloud FinishCloud(const Options& options,
     result.unsupported = remove(Regularise(
         {.radius_px = options.regularise_px, .min_support = options.min_support}, cloud));
   }
+  if (options.rim_px > 0) result.rims = remove(FindRims({.radius_px = options.rim_px}, *cloud));
   if (box) result.outside = remove(FindOutside(*box, *cloud));
   return result;
 }

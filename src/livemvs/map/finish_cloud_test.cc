@@ -26,12 +26,19 @@ PointCloud Sheet() {
   return cloud;
 }
 
+// Of the sheet only its inner points would stay, which is not what most tests are about.
+Options WithRims() {
+  Options options;
+  options.rim_px = 0;
+  return options;
+}
+
 // The left two columns of the sheet.
 const Box kNarrow{{-0.5 * kSpacing, -1, -1}, {1.5 * kSpacing, 1, 1}};
 
 TEST(FinishCloudTest, LeavesOutWhatLiesOutsideOfTheBox) {
   PointCloud cloud = Sheet();
-  const FinishedCloud finished = FinishCloud({}, kNarrow, &cloud);
+  const FinishedCloud finished = FinishCloud(WithRims(), kNarrow, &cloud);
   EXPECT_EQ(cloud.size() + finished.unsupported + finished.outside, kSide * kSide);
   EXPECT_GT(finished.outside, kSide * (kSide - 3));
   for (const Point& p : cloud) EXPECT_LT(p.position.x(), 1.5F * kSpacing);
@@ -39,7 +46,7 @@ TEST(FinishCloudTest, LeavesOutWhatLiesOutsideOfTheBox) {
 
 TEST(FinishCloudTest, KeepsAllWithoutABox) {
   PointCloud cloud = Sheet();
-  const FinishedCloud finished = FinishCloud({}, std::nullopt, &cloud);
+  const FinishedCloud finished = FinishCloud(WithRims(), std::nullopt, &cloud);
   EXPECT_EQ(finished.outside, 0);
   EXPECT_EQ(cloud.size() + finished.unsupported, kSide * kSide);
 }
@@ -48,13 +55,26 @@ TEST(FinishCloudTest, NeighboursBeyondTheBoxCount) {
   // Three points, which are too few to support each other.
   const Box tiny{{-0.5 * kSpacing, -0.5 * kSpacing, -1}, {0.5 * kSpacing, 2.5 * kSpacing, 1}};
   PointCloud whole = Sheet();
-  FinishCloud({}, tiny, &whole);
+  FinishCloud(WithRims(), tiny, &whole);
   EXPECT_EQ(whole.size(), 3);
   PointCloud cut = Sheet();
   std::erase_if(cut, [&](const Point& p) { return !tiny.Contains(p.position.cast<double>()); });
   ASSERT_EQ(cut.size(), 3);
-  FinishCloud({}, tiny, &cut);
+  FinishCloud(WithRims(), tiny, &cut);
   EXPECT_EQ(cut.size(), 0);
+}
+
+TEST(FinishCloudTest, TakesOffRimsOfSurfacesButNotThoseOfTheBox) {
+  // What the row next to the outermost has around it lies within a footprint.
+  Options options;
+  options.rim_px = 1.5F;
+  const Box left{{-1, -1, -1}, {5.5 * kSpacing, 1, 1}};
+  PointCloud cloud = Sheet();
+  const FinishedCloud finished = FinishCloud(options, left, &cloud);
+  EXPECT_EQ(finished.rims + finished.unsupported, 4 * (kSide - 1));
+  EXPECT_EQ(finished.outside, (kSide - 2) * (kSide - 7));
+  ASSERT_EQ(cloud.size(), (kSide - 2) * 5);
+  for (const Point& p : cloud) EXPECT_GT(p.position.x(), 0.5F * kSpacing);
 }
 
 TEST(FinishCloudTest, FinerPointsBeyondTheBoxDoNotReplaceThoseWithin) {
@@ -88,7 +108,7 @@ TEST(FinishCloudTest, SaysWhichPointsItKept) {
   overhanging.lean = LeanCode(overhanging.normal, {-1, 0, 0});  // ahead of it lies nothing
   cloud.push_back(overhanging);
   cloud.push_back(before.back());
-  const FinishedCloud finished = FinishCloud({}, std::nullopt, &cloud);
+  const FinishedCloud finished = FinishCloud(WithRims(), std::nullopt, &cloud);
   EXPECT_EQ(finished.unsupported, 1);
   EXPECT_EQ(finished.overhanging, 1);
   ASSERT_EQ(finished.kept.size(), cloud.size());
@@ -112,7 +132,7 @@ TEST(FinishCloudTest, CoarsePointsHoldOthersBeforeFinerOnesReplaceThem) {
     cloud.push_back(coarse);
   }
   const Box left{{-1, -1, -1}, {5.5 * kSpacing, 1, 1}};
-  const FinishedCloud finished = FinishCloud({}, left, &cloud);
+  const FinishedCloud finished = FinishCloud(WithRims(), left, &cloud);
   EXPECT_EQ(finished.overhanging, 0);
   EXPECT_EQ(finished.superseded, 3);
   // Of the sheet, the left six columns; and the leaning one.

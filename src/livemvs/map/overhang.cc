@@ -9,6 +9,7 @@
 
 #include "livemvs/core/lean.h"
 #include "livemvs/map/picked_points.h"
+#include "livemvs/map/same_surface.h"
 #include "livemvs/parallel/parallel_for.h"
 
 namespace livemvs {
@@ -26,18 +27,8 @@ constexpr int kPlaces = 5;
 // Of each, the nearest of this many are looked at.
 constexpr int kNeighbors = 16;
 
-// Most offset sideways, and along the line of sight, of a supporter: in its distance ahead, and in
-// its distance across the line of sight.
+// Most offset sideways of a supporter, in its distance ahead.
 constexpr float kSideways = 0.6F;
-constexpr float kSteepest = 2;
-
-// Standard deviations that a supporter's depth may be off by.
-constexpr float kSigmas = 2;
-
-bool IsWhole(const Point& p) {
-  return p.position.allFinite() && p.normal.allFinite() && p.normal.squaredNorm() > 0.5F &&
-         p.footprint > 0 && std::isfinite(p.footprint) && std::isfinite(p.sigma);
-}
 
 class Supporters {
  public:
@@ -48,7 +39,7 @@ class Supporters {
 
   // `nearest`: a buffer, kept between calls to save allocations.
   bool Hold(const Point& p, std::vector<PointIndex::Neighbor>* nearest) const {
-    const float reach = reach_px_ * std::ldexp(p.footprint, -p.level);
+    const float reach = reach_px_ * FinestFootprint(p);
     const Eigen::Vector3f ahead = -LeanDirection(p.normal, p.lean);
     std::array<std::uint32_t, kSupporters> found{};
     auto end = found.begin();
@@ -70,13 +61,11 @@ class Supporters {
                      const Eigen::Vector3f& ahead,
                      float reach,
                      const Point& other) {
-    const Eigen::Vector3f offset = other.position - p.position;
-    const float far = offset.dot(ahead), deep = offset.dot(p.normal);
+    const Seen seen = SeenFrom(p, other);
+    const float far = seen.across.dot(ahead);
     if (!(far > 0 && far <= reach)) return false;
-    const float across = (offset - deep * p.normal).norm();
-    const float sideways = std::sqrt(std::max(across * across - far * far, 0.0F));
-    const float spread = kSigmas * std::hypot(p.sigma, other.sigma);
-    return sideways <= kSideways * far && std::abs(deep) <= kSteepest * across + spread;
+    const float sideways = std::sqrt(std::max(seen.across.squaredNorm() - far * far, 0.0F));
+    return sideways <= kSideways * far && MayShareSurface(p, other, seen);
   }
 
   float reach_px_;

@@ -35,7 +35,7 @@ class StageTimer {
 
 int PlantEvery(const Options& options) {
   if (options.plant_every > 0) return options.plant_every;
-  return options.search == Search::kFull ? 1 : 3;
+  return options.search == Search::kFull ? 1 : 6;
 }
 
 std::unique_ptr<Backend> MakeCheckedBackend(const Options& options) {

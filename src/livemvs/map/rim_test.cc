@@ -1,0 +1,166 @@
+#include "livemvs/map/rim.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "livemvs/reference/rim.h"
+
+namespace livemvs {
+namespace {
+
+constexpr float kPixel = 0.01F;
+constexpr double kThird = 2 * std::numbers::pi / 3;
+
+// Seen from +z.
+Point At(float x, float y, float z = 0) {
+  Point p;
+  p.position = {x, y, z};
+  p.normal = {0, 0, 1};
+  p.sigma = 0.1F * kPixel;
+  p.footprint = kPixel;
+  return p;
+}
+
+// A point in the middle, last, and others around it at these angles [degrees].
+PointCloud Around(std::initializer_list<float> angles, float distance_px = 1) {
+  PointCloud cloud;
+  for (const float angle : angles) {
+    const float turn = angle * std::numbers::pi_v<float> / 180;
+    cloud.push_back(
+        At(distance_px * kPixel * std::cos(turn), distance_px * kPixel * std::sin(turn)));
+  }
+  cloud.push_back(At(0, 0));
+  return cloud;
+}
+
+bool LastIsRim(const PointCloud& cloud, float radius_px = 6) {
+  return FindRims({.radius_px = radius_px}, cloud).back() != 0;
+}
+
+TEST(FindRims, APointWithOthersAllAroundIsNone) {
+  EXPECT_FALSE(LastIsRim(Around({0, 119, 238, 300})));
+  EXPECT_TRUE(LastIsRim(Around({0, 121, 242})));
+  EXPECT_TRUE(LastIsRim(Around({0, 60, 120, 180})));
+  // The gap may lie where the angles start again.
+  EXPECT_TRUE(LastIsRim(Around({-60, -30, 0, 30, 60})));
+  EXPECT_TRUE(LastIsRim(Around({})));
+}
+
+TEST(FindRims, OfASheetTheOutermostRowGoes) {
+  constexpr int kSide = 12;
+  PointCloud cloud;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    cloud.push_back(
+        At(kPixel * static_cast<float>(i % kSide), kPixel * static_cast<float>(i / kSide)));
+  }
+  // Neighbours reach to the next row: inside of a row they lie all around.
+  const std::vector<char> rims = FindRims({.radius_px = 1.5F}, cloud);
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const int x = i % kSide, y = i / kSide;
+    const bool outermost = x == 0 || y == 0 || x == kSide - 1 || y == kSide - 1;
+    EXPECT_EQ(rims[i] != 0, outermost) << x << ' ' << y;
+  }
+}
+
+TEST(FindRims, WhatLiesFarBehindIsAnotherSurface) {
+  PointCloud cloud = Around({0, 90, 180, 270});
+  EXPECT_FALSE(LastIsRim(cloud));
+  cloud[0].position.z() = -3 * kPixel;
+  EXPECT_TRUE(LastIsRim(cloud));
+  // A slope of up to two is a surface, though; and so is what both may be wrong by.
+  cloud[0].position.z() = -1.9F * kPixel;
+  EXPECT_FALSE(LastIsRim(cloud));
+  cloud[0].position.z() = -3 * kPixel;
+  cloud[0].sigma = kPixel;
+  EXPECT_FALSE(LastIsRim(cloud));
+}
+
+TEST(FindRims, WhereManyAreNearThoseFarAwayDoNotCount) {
+  // Eight near it at one side, four far away all around.
+  PointCloud cloud = Around({0, 119, 238, 300}, 20);
+  cloud.pop_back();
+  for (const float angle : {0.0F, 10.0F, 20.0F, 30.0F, 40.0F, 50.0F, 60.0F, 70.0F}) {
+    cloud.push_back(Around({angle}).front());
+  }
+  cloud.push_back(At(0, 0));
+  EXPECT_TRUE(LastIsRim(cloud));
+  EXPECT_FALSE(LastIsRim(cloud, 21));
+  // With fewer near it, the nearest eight count.
+  cloud.erase(cloud.begin() + 4, cloud.begin() + 8);
+  EXPECT_FALSE(LastIsRim(cloud));
+}
+
+TEST(FindRims, RadiusIsInPixelsOfTheFinestLevel) {
+  PointCloud cloud = Around({0, 90, 180, 270}, 5);
+  for (const float angle : {0.0F, 5.0F, 10.0F, 15.0F, 20.0F, 25.0F, 30.0F, 35.0F}) {
+    cloud.insert(cloud.begin(), Around({angle}).front());
+  }
+  EXPECT_FALSE(LastIsRim(cloud, 6));
+  // Its pixels are as wide, but of a level whose pixels are four of the finest.
+  cloud.back().level = 2;
+  EXPECT_TRUE(LastIsRim(cloud, 6));
+  cloud.back().footprint = 4 * kPixel;
+  EXPECT_FALSE(LastIsRim(cloud, 6));
+}
+
+TEST(FindRims, PointsInTheSamePlaceSayNothing) {
+  PointCloud cloud = Around({0, 121, 242});
+  cloud.insert(cloud.begin(), 70, cloud.back());
+  EXPECT_TRUE(LastIsRim(cloud));
+}
+
+TEST(FindRims, IsTheReference) {
+  // Points of three levels on two crossing sheets with borders.
+  int rims = 0, inside = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> unit(-1, 1);
+    PointCloud cloud;
+    for (int i = 0; i < 65; ++i) {  // no more than are looked at
+      const float x = 8 * kPixel * unit(random), y = 8 * kPixel * unit(random);
+      Point p = At(x, y, i % 3 != 0 ? 0 : 3 * x);
+      p.normal = Eigen::Vector3f(0.3F * unit(random), 0.3F * unit(random), 1).normalized();
+      p.level = static_cast<std::uint8_t>(random() % 3);
+      p.footprint = std::ldexp(kPixel, p.level);
+      cloud.push_back(p);
+    }
+    cloud.pop_back();
+    const std::vector<char> found = FindRims({.radius_px = 5}, cloud);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const double gap = reference::WidestGap(cloud, i, 5);
+      if (std::abs(gap - kThird) < 1e-5) continue;  // rounding decides
+      EXPECT_EQ(found[i] != 0, gap > kThird) << i << " of cloud " << seed << ", gap " << gap;
+      (gap > kThird ? rims : inside) += 1;
+    }
+  }
+  EXPECT_GT(rims, 200);
+  EXPECT_GT(inside, 200);
+}
+
+TEST(FindRims, PointsOfWhichTooLittleIsKnownStayAndDoNotCount) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const auto& spoil : {+[](Point*p, float v) { p->position.x() = v; },
+                            +[](Point*p, float v) { p->normal.y() = v; },
+                            +[](Point*p, float v) { p->sigma = v; },
+                            +[](Point*p, float v) { p->footprint = v; }}) {
+    PointCloud cloud = Around({0, 90, 180, 270});
+    spoil(&cloud[0], nan);
+    EXPECT_EQ(FindRims({}, cloud).front(), 0);
+    EXPECT_TRUE(LastIsRim(cloud));
+  }
+  EXPECT_TRUE(FindRims({}, {}).empty());
+}
+
+TEST(FindRims, RefusesARadiusThatIsNone) {
+  for (const float radius : {0.0F, -1.0F, std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    EXPECT_THROW(FindRims({.radius_px = radius}, {}), std::invalid_argument) << radius;
+  }
+}
+
+}  // namespace
+}  // namespace livemvs
