@@ -151,8 +151,8 @@ struct Options {
   /// Fewest points on that plane, itself included, for a point to stay; 0: all stay. Needs
   /// regularise_px.
   int min_support = 4;
-  /// A point stays only if others of its surface lie all around it, within this many pixels of the
-  /// finest level or among the nearest [px]; 0: all stay.
+  /// A point stays only if others of its surface lie all around it, those within this many pixels
+  /// of the finest level or the nearest few [px]; 0: all stay.
   float rim_px = 5.25F;
 
   /// Worker threads; 0: all cores. Results do not depend on it.

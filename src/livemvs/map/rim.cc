@@ -20,8 +20,11 @@ constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 // A point with others all around leaves no wider gap than this between their directions.
 constexpr float kWidestGap = kTurn / 3;
 
-// Others that are looked at in any case, however far they are.
+// The others are at least so many, or the point is not judged, ...
 constexpr std::size_t kLeastOthers = 8;
+
+// ... found within this many times the radius.
+constexpr float kFarthest = 4;
 
 // More neighbours only make gaps narrower: most points are found to be inside with the first few.
 constexpr int kNeighbors[] = {16, 64};
@@ -57,7 +60,7 @@ class Rims {
       FindDirections(i, buffers);
       if (WidestGap(&buffers->directions) <= kWidestGap) return false;
     }
-    return true;
+    return buffers->directions.size() >= kLeastOthers;
   }
 
  private:
@@ -68,7 +71,8 @@ class Rims {
     std::vector<float>& directions = buffers->directions;
     directions.clear();
     for (const PointIndex::Neighbor& n : buffers->nearest) {
-      if (n.distance2 > radius * radius && directions.size() >= kLeastOthers) break;
+      const float reach = directions.size() < kLeastOthers ? kFarthest * radius : radius;
+      if (n.distance2 > reach * reach) break;
       const Point& other = cloud_[points_.rows[n.index]];
       const Seen seen = SeenFrom(p, other);
       const float x = seen.across.dot(right), y = seen.across.dot(up);

@@ -26,14 +26,25 @@ Point At(float x, float y, float z = 0) {
   return p;
 }
 
-// A point in the middle, last, and others around it at these angles [degrees].
+// Three points in nearly the same place, in this direction from the origin [degrees].
+PointCloud Towards(float angle, float distance_px = 1) {
+  const float turn = angle * std::numbers::pi_v<float> / 180;
+  PointCloud cloud;
+  for (const float far : {0.99F, 1.0F, 1.01F}) {
+    const float distance = far * distance_px * kPixel;
+    cloud.push_back(At(distance * std::cos(turn), distance * std::sin(turn)));
+  }
+  return cloud;
+}
+
+void Add(const PointCloud& more, PointCloud* cloud) {
+  cloud->insert(cloud->end(), more.begin(), more.end());
+}
+
+// A point in the middle, last, and three each around it at these angles [degrees].
 PointCloud Around(std::initializer_list<float> angles, float distance_px = 1) {
   PointCloud cloud;
-  for (const float angle : angles) {
-    const float turn = angle * std::numbers::pi_v<float> / 180;
-    cloud.push_back(
-        At(distance_px * kPixel * std::cos(turn), distance_px * kPixel * std::sin(turn)));
-  }
+  for (const float angle : angles) Add(Towards(angle, distance_px), &cloud);
   cloud.push_back(At(0, 0));
   return cloud;
 }
@@ -48,7 +59,17 @@ TEST(FindRims, APointWithOthersAllAroundIsNone) {
   EXPECT_TRUE(LastIsRim(Around({0, 60, 120, 180})));
   // The gap may lie where the angles start again.
   EXPECT_TRUE(LastIsRim(Around({-60, -30, 0, 30, 60})));
-  EXPECT_TRUE(LastIsRim(Around({})));
+}
+
+TEST(FindRims, WhereTooFewAreNearAPointIsNone) {
+  PointCloud cloud = Around({0, 10, 20}, 19);
+  ASSERT_EQ(cloud.size(), 10);
+  EXPECT_TRUE(LastIsRim(cloud, 5));
+  // Nine others, but not eight within four times the radius.
+  EXPECT_FALSE(LastIsRim(cloud, 4.5F));
+  cloud.erase(cloud.begin(), cloud.begin() + 2);
+  EXPECT_FALSE(LastIsRim(cloud, 5));
+  EXPECT_EQ(FindRims({}, {At(0, 0)}), std::vector<char>(1, 0));
 }
 
 TEST(FindRims, OfASheetTheOutermostRowGoes) {
@@ -70,36 +91,39 @@ TEST(FindRims, OfASheetTheOutermostRowGoes) {
 TEST(FindRims, WhatLiesFarBehindIsAnotherSurface) {
   PointCloud cloud = Around({0, 90, 180, 270});
   EXPECT_FALSE(LastIsRim(cloud));
-  cloud[0].position.z() = -3 * kPixel;
+  const auto move = [&](float z) {
+    for (int i = 0; i < 3; ++i) cloud[i].position.z() = z;
+  };
+  move(-3 * kPixel);
   EXPECT_TRUE(LastIsRim(cloud));
   // A slope of up to two is a surface, though; and so is what both may be wrong by.
-  cloud[0].position.z() = -1.9F * kPixel;
+  move(-1.9F * kPixel);
   EXPECT_FALSE(LastIsRim(cloud));
-  cloud[0].position.z() = -3 * kPixel;
-  cloud[0].sigma = kPixel;
+  move(-3 * kPixel);
+  for (int i = 0; i < 3; ++i) cloud[i].sigma = kPixel;
   EXPECT_FALSE(LastIsRim(cloud));
 }
 
 TEST(FindRims, WhereManyAreNearThoseFarAwayDoNotCount) {
-  // Eight near it at one side, four far away all around.
+  // Nine near it at one side, others further away all around.
   PointCloud cloud = Around({0, 119, 238, 300}, 20);
   cloud.pop_back();
-  for (const float angle : {0.0F, 10.0F, 20.0F, 30.0F, 40.0F, 50.0F, 60.0F, 70.0F}) {
-    cloud.push_back(Around({angle}).front());
-  }
+  for (const float angle : {0.0F, 30.0F, 60.0F}) Add(Towards(angle), &cloud);
   cloud.push_back(At(0, 0));
   EXPECT_TRUE(LastIsRim(cloud));
   EXPECT_FALSE(LastIsRim(cloud, 21));
-  // With fewer near it, the nearest eight count.
-  cloud.erase(cloud.begin() + 4, cloud.begin() + 8);
-  EXPECT_FALSE(LastIsRim(cloud));
+  // With three near it, five of the others are among the nearest eight.
+  PointCloud three = Towards(0);
+  for (const float angle : {100.0F, 200.0F, 260.0F}) Add(Towards(angle, 20), &three);
+  three.push_back(At(0, 0));
+  EXPECT_FALSE(LastIsRim(three));
 }
 
 TEST(FindRims, RadiusIsInPixelsOfTheFinestLevel) {
   PointCloud cloud = Around({0, 90, 180, 270}, 5);
-  for (const float angle : {0.0F, 5.0F, 10.0F, 15.0F, 20.0F, 25.0F, 30.0F, 35.0F}) {
-    cloud.insert(cloud.begin(), Around({angle}).front());
-  }
+  cloud.pop_back();
+  for (const float angle : {0.0F, 15.0F, 30.0F}) Add(Towards(angle), &cloud);
+  cloud.push_back(At(0, 0));
   EXPECT_FALSE(LastIsRim(cloud, 6));
   // Its pixels are as wide, but of a level whose pixels are four of the finest.
   cloud.back().level = 2;
@@ -109,8 +133,9 @@ TEST(FindRims, RadiusIsInPixelsOfTheFinestLevel) {
 }
 
 TEST(FindRims, PointsInTheSamePlaceSayNothing) {
-  PointCloud cloud = Around({0, 121, 242});
-  cloud.insert(cloud.begin(), 70, cloud.back());
+  // They are in no direction, not in that of angle 0.
+  PointCloud cloud = Around({50, 150, 245});
+  cloud.insert(cloud.begin(), 20, cloud.back());
   EXPECT_TRUE(LastIsRim(cloud));
 }
 
@@ -149,7 +174,7 @@ TEST(FindRims, PointsOfWhichTooLittleIsKnownStayAndDoNotCount) {
                             +[](Point*p, float v) { p->sigma = v; },
                             +[](Point*p, float v) { p->footprint = v; }}) {
     PointCloud cloud = Around({0, 90, 180, 270});
-    spoil(&cloud[0], nan);
+    for (int i = 0; i < 3; ++i) spoil(&cloud[i], nan);
     EXPECT_EQ(FindRims({}, cloud).front(), 0);
     EXPECT_TRUE(LastIsRim(cloud));
   }

@@ -172,7 +172,7 @@ TEST(ReconstructorTest, PlantsInEveryNthFrame) {
     int every;
   } cases[] = {{3, Search::kWindow, 3},
                {1, Search::kWindow, 1},
-               {0, Search::kWindow, 3},
+               {0, Search::kWindow, 6},
                {0, Search::kFull, 1},
                {2, Search::kFull, 2}};
   for (const auto& c : cases) {
@@ -334,6 +334,7 @@ TEST(ReconstructorTest, ARestingCameraUpdatesNoSeeds) {
 TEST(ReconstructorTest, SeedsThatWentOutOfViewMakeRoomThoughTheCameraHardlyMoves) {
   Options options = TestOptions();
   options.max_unseen = 5;
+  options.plant_every = 3;
   Reconstructor reconstructor(options, NearFar());
   for (const PosedFrame& frame : PlaneFrames()) reconstructor.AddFrame(frame);
   ASSERT_GT(reconstructor.live_seeds(), 0.95 * options.max_seeds) << "no room for others";

@@ -28,8 +28,8 @@ double WidestGap(const PointCloud& cloud, std::size_t point, double radius_px) {
     return a.distance < b.distance;
   });
   const double radius = radius_px * static_cast<double>(p.footprint) / std::pow(2.0, p.level);
+  if (others.size() < 8 || others[7].distance > 4 * radius) return 0;
   while (others.size() > 8 && others.back().distance > radius) others.pop_back();
-  if (others.empty()) return kTurn;
 
   // From each direction, how far one turns to the left until the next.
   double widest = 0;
