@@ -183,7 +183,7 @@ TEST(FindRims, PointsOfWhichTooLittleIsKnownStayAndDoNotCount) {
 
 TEST(FindRims, RefusesARadiusThatIsNone) {
   for (const float radius : {0.0F, -1.0F, std::nanf(""), std::numeric_limits<float>::infinity()}) {
-    EXPECT_THROW(FindRims({.radius_px = radius}, {}), std::invalid_argument) << radius;
+    EXPECT_THROW((void)FindRims({.radius_px = radius}, {}), std::invalid_argument) << radius;
   }
 }
 
