@@ -16,7 +16,7 @@
 namespace livemvs::app {
 namespace {
 
-constexpr char kExamples[] =
+constexpr char kDepthCheckExamples[] =
     "FOLDER holds depth pictures (16-bit PNG, millimetres, 0 or 65535: none) and cams_depth.txt,\n"
     "per line: picture w h fx fy cx cy k1 k2 p1 p2 R(9) t(3), camera from world, metres.\n"
     "A point within 0.1 m of the depth seen at its pixel agrees; one that is more in front of it\n"
@@ -96,7 +96,7 @@ void AddDepthCheckCommand(CLI::App& app) {
   auto args = std::make_shared<DepthCheckArguments>();
   CLI::App* command =
       app.add_subcommand("depth-check", "Compare a cloud with the pictures of a depth camera.");
-  command->footer(kExamples);
+  command->footer(kDepthCheckExamples);
   command->add_option("CLOUD", args->cloud, "The cloud to judge (.ply, .ply.gz)")->required();
   command->add_option("FOLDER", args->folder, "Depth pictures and cams_depth.txt")->required();
   command->add_option("--min", args->options.z_min, "Judge points farther than this only [m]")

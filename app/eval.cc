@@ -21,7 +21,7 @@
 namespace livemvs::app {
 namespace {
 
-constexpr char kExamples[] =
+constexpr char kEvalExamples[] =
     "A distance is 'within' a limit where it is less. Accuracy: share of the cloud's points "
     "within\n"
     "it of the reference. Completeness: share of the reference's surface within it of a point.\n"
@@ -176,7 +176,7 @@ void AddEvalCommand(CLI::App& app) {
   auto args = std::make_shared<EvalArguments>();
   CLI::App* command =
       app.add_subcommand("eval", "Measure a cloud against a reference mesh or cloud.");
-  command->footer(kExamples);
+  command->footer(kEvalExamples);
   command->add_option("CLOUD", args->cloud, "The cloud or mesh to judge (.ply, .ply.gz, .glb)")
       ->required();
   command->add_option("REFERENCE", args->reference, "True mesh or cloud (.ply, .ply.gz, .glb)")

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kExamples[] =
+constexpr char kExportExamples[] =
     "INPUT is a cloud or mesh (.ply, .ply.gz, .glb), or the folder of a scan. The ending of the\n"
     "output says what to write: .glb .obj .las .ply; --format writes a folder for other programs, "
     "with\n"
@@ -138,7 +138,7 @@ void AddExportCommand(CLI::App& app) {
       {"z", UpAxis::kZ}, {"y", UpAxis::kY}, {"-y", UpAxis::kMinusY}};
   auto args = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Write what other programs open.");
-  command->footer(kExamples);
+  command->footer(kExportExamples);
   command->add_option("INPUT", args->input, "Cloud, mesh, or folder of a scan")->required();
   command->add_option("-o,--output", args->output, "File, or folder with --format")->required();
   command->add_option("--format", args->format, "colmap or nerfstudio: a folder")

@@ -54,7 +54,7 @@ bool OpenInBrowser(const std::filesystem::path& file) {
 
 }  // namespace
 
-void AddViewOptions(CLI::App* command, ViewOptions* options, bool with_flag) {
+void AddPageOptions(CLI::App* command, PageOptions* options, bool with_flag) {
   if (with_flag) {
     command->add_flag("--view", options->view, "Show the model in a browser while it grows");
   } else {
@@ -71,7 +71,7 @@ void AddViewOptions(CLI::App* command, ViewOptions* options, bool with_flag) {
   command->add_option("--port", options->port, "Port for the viewer (7451, or a free one)");
 }
 
-viewer::ServerOptions MakeServerOptions(const ViewOptions& options, const std::string& title) {
+viewer::ServerOptions MakeServerOptions(const PageOptions& options, const std::string& title) {
   viewer::ServerOptions server;
   server.address = options.listen;
   server.port = options.port;
@@ -80,7 +80,7 @@ viewer::ServerOptions MakeServerOptions(const ViewOptions& options, const std::s
   return server;
 }
 
-OpenedPage::OpenedPage(const viewer::Server& server, const ViewOptions& options) {
+OpenedPage::OpenedPage(const viewer::Server& server, const PageOptions& options) {
   const std::vector<std::string> urls = server.urls();
   for (const std::string& url : urls) std::printf("viewer: %s\n", url.c_str());
   if (!server.fingerprint().empty()) {
@@ -99,7 +99,7 @@ OpenedPage::~OpenedPage() {
   if (!file_.empty()) std::filesystem::remove(file_, ignored);
 }
 
-LiveView::LiveView(const ViewOptions& options,
+LiveView::LiveView(const PageOptions& options,
                    const std::string& title,
                    const viewer::FeedOptions& feed)
     : feed_(&log_, feed),

@@ -15,7 +15,7 @@
 
 namespace livemvs::app {
 
-struct ViewOptions {
+struct PageOptions {
   bool view = false;
   bool no_browser = false;
   bool wait = false;  ///< At the first frame, until the page says start.
@@ -25,16 +25,16 @@ struct ViewOptions {
 
 /// Adds --view and its companions to a command that reconstructs; without `with_flag`, those of a
 /// command that shows in any case.
-void AddViewOptions(CLI::App* command, ViewOptions* options, bool with_flag = true);
+void AddPageOptions(CLI::App* command, PageOptions* options, bool with_flag = true);
 
 /// Makes a server's options of a command's.
-viewer::ServerOptions MakeServerOptions(const ViewOptions& options, const std::string& title);
+viewer::ServerOptions MakeServerOptions(const PageOptions& options, const std::string& title);
 
 /// Prints the server's addresses, and opens the first in a browser unless that is unwanted. The
 /// token reaches the browser in a private file, not among the arguments that others can list.
 class OpenedPage {
  public:
-  OpenedPage(const viewer::Server& server, const ViewOptions& options);
+  OpenedPage(const viewer::Server& server, const PageOptions& options);
   ~OpenedPage();
   OpenedPage(const OpenedPage&) = delete;
   OpenedPage& operator=(const OpenedPage&) = delete;
@@ -46,7 +46,7 @@ class OpenedPage {
 /// The live viewer beside a reconstruction: the stream, its server, and what the page asks for.
 class LiveView {
  public:
-  LiveView(const ViewOptions& options, const std::string& title, const viewer::FeedOptions& feed);
+  LiveView(const PageOptions& options, const std::string& title, const viewer::FeedOptions& feed);
 
   viewer::Feed& feed() { return feed_; }
   viewer::StreamLog& log() { return log_; }

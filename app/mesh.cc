@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kExamples[] =
+constexpr char kMeshExamples[] =
     "The surface runs where the points are, leaves empty what lies between them and the cameras\n"
     "that saw them, and is open where nothing was seen. The cameras are those of --data, by the\n"
     "frame that each point was seen in, or of the scan. Without them the points' normals stand "
@@ -160,7 +160,7 @@ void AddSurfaceOptions(CLI::App* command, MeshOptions* o) {
 void AddMeshCommand(CLI::App& app) {
   auto args = std::make_shared<MeshArguments>();
   CLI::App* command = app.add_subcommand("mesh", "Make a surface of a cloud or scan");
-  command->footer(kExamples);
+  command->footer(kMeshExamples);
   command->add_option("CLOUD", args->input, "Cloud (.ply, .ply.gz), or the folder of a scan")
       ->required();
   AddDatasetOptions(command, &args->dataset)->required(false);

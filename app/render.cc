@@ -22,7 +22,7 @@
 namespace livemvs::app {
 namespace {
 
-constexpr char kExamples[] =
+constexpr char kRenderExamples[] =
     "Without --view the picture is taken from where most of the cameras were, as the normals of\n"
     "the points tell. With --data, 'up' is what was up for the cameras.\n"
     "\n"
@@ -306,7 +306,7 @@ void RunRender(RenderArguments args) {
 void AddRenderCommand(CLI::App& app) {
   auto args = std::make_shared<RenderArguments>();
   CLI::App* command = app.add_subcommand("render", "Draw a cloud or mesh as a picture.");
-  command->footer(kExamples);
+  command->footer(kRenderExamples);
   command->add_option("CLOUD", args->input, "Cloud or mesh (.ply, .ply.gz, .glb)")->required();
   command->add_option("-o,--output", args->output, "Picture to write (.png)")->required();
   command->add_option("--size", args->size, "Size of the picture [px]")->capture_default_str();

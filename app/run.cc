@@ -39,7 +39,7 @@ struct RunArguments {
   std::string progress = "auto";
   bool ray_normals = false;
   double speed = 0;  // of the recording; 0: as fast as it goes
-  ViewOptions view;
+  PageOptions view;
 };
 
 double SecondsSince(Clock::time_point start) {
@@ -212,7 +212,7 @@ void AddRunCommand(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   command->add_flag_callback(
       "--realtime", [args] { args->speed = 1; }, "Take the frames as fast as they were filmed");
-  AddViewOptions(command, &args->view);
+  AddPageOptions(command, &args->view);
   command->add_option("--progress", args->progress, "auto, line, json or none");
   command->footer(
       "Examples:\n"

@@ -19,7 +19,7 @@ namespace livemvs::app {
 class RunView {
  public:
   struct Settings {
-    ViewOptions view;
+    PageOptions view;
     double speed = 0;  ///< Of the recording; 0: the machine's.
     std::string title;
   };

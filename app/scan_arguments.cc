@@ -75,7 +75,7 @@ void AddSourceOptions(CLI::App* command, ScanArguments* args) {
 
 void AddScanOptions(CLI::App* command, ScanArguments* args) {
   AddSourceOptions(command, args);
-  AddViewOptions(command, &args->view);
+  AddPageOptions(command, &args->view);
   command->add_option("--height", args->height, "Of the room above the board [m]")
       ->check(CLI::PositiveNumber);
   command->add_option("-o,--output", args->output, "Folder to write; it must not hold a scan yet");

@@ -32,7 +32,7 @@ struct ScanArguments : LiveArguments {
   bool finish = false;
   bool no_mesh = false;
   std::string progress = "auto";
-  ViewOptions view;
+  PageOptions view;
 };
 
 void AddScanOptions(CLI::App* command, ScanArguments* args);

@@ -38,30 +38,32 @@ nlohmann::json StatisticsOf(const ScanArguments& args,
                             const ScanSettings& settings,
                             const ScanResult& result) {
   const CaptureStatistics& c = result.capture;
-  nlohmann::json json =
+  nlohmann::json statistics =
       ReconstructionJson(settings.method, result.reconstruction, result.live_seeds);
-  json["arguments"] = ToJson(args);
-  json["preset"] = args.method.preset;
-  json["range"] = Describe(settings.range);
-  json["backend"] = result.backend;
-  json["end"] = NameOf(result.end);
+  statistics["arguments"] = ToJson(args);
+  statistics["preset"] = args.method.preset;
+  statistics["range"] = Describe(settings.range);
+  statistics["backend"] = result.backend;
+  statistics["end"] = NameOf(result.end);
   const std::int64_t seen = c.tracked + c.untracked;
-  json["frames"] = {{"in_all", result.frames.size()},
-                    {"tracked", c.tracked},
-                    {"untracked", c.untracked},
-                    {"bad_poses", c.bad_poses},
-                    {"dropped", c.dropped},
-                    {"out_of_order", c.out_of_order},
-                    {"duplicated", c.duplicates},
-                    {"other_size", c.other_size},
-                    {"damaged", c.damaged},
-                    {"used", result.reconstruction.frames}};
-  json["seconds"]["total"] = result.seconds;
-  json["seconds"]["track"] = c.track_seconds;
-  json["track_ms_per_frame"] = seen > 0 ? 1000 * c.track_seconds / static_cast<double>(seen) : 0.0;
-  json["frames_per_second"] = result.seconds > 0 ? static_cast<double>(seen) / result.seconds : 0.0;
-  AddResources(&json);
-  return json;
+  statistics["frames"] = {{"in_all", result.frames.size()},
+                          {"tracked", c.tracked},
+                          {"untracked", c.untracked},
+                          {"bad_poses", c.bad_poses},
+                          {"dropped", c.dropped},
+                          {"out_of_order", c.out_of_order},
+                          {"duplicated", c.duplicates},
+                          {"other_size", c.other_size},
+                          {"damaged", c.damaged},
+                          {"used", result.reconstruction.frames}};
+  statistics["seconds"]["total"] = result.seconds;
+  statistics["seconds"]["track"] = c.track_seconds;
+  statistics["track_ms_per_frame"] =
+      seen > 0 ? 1000 * c.track_seconds / static_cast<double>(seen) : 0.0;
+  statistics["frames_per_second"] =
+      result.seconds > 0 ? static_cast<double>(seen) / result.seconds : 0.0;
+  AddResources(&statistics);
+  return statistics;
 }
 
 std::vector<StampedPose> PosesOf(const std::vector<FrameMessage>& frames) {

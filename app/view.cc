@@ -24,7 +24,7 @@ using viewer::StreamLog;
 
 struct ViewArguments {
   fs::path input;
-  ViewOptions view;
+  PageOptions view;
 };
 
 constexpr auto kPoll = std::chrono::milliseconds(30);
@@ -105,7 +105,7 @@ void AddViewCommand(CLI::App& app) {
       ->add_option(
           "IN", args->input, "Cloud or mesh (.ply, .ply.gz, .glb), journal, or folder of a scan")
       ->required();
-  AddViewOptions(command, &args->view, false);
+  AddPageOptions(command, &args->view, false);
   command->footer(
       "A scan that is still running is followed. It serves until Ctrl-C.\n\n"
       "Examples:\n"

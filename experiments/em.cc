@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kPixels = 2000;
 constexpr int kRestarts = 10;
-constexpr double kPrior = 10;  // [VH11] Sec. 4.2
 
 // An estimate is elsewhere than the maximum if it is further off than this share of the range.
 constexpr double kElsewhere = 0.01;

@@ -7,8 +7,6 @@ namespace livemvs::experiments {
 namespace {
 
 // [VH11] Sec. 4.2.
-constexpr double kPrior = 10;
-
 // Rays shorter than this in the box leave little to be seen [scene].
 constexpr double kLongRay = 0.12;
 

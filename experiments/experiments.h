@@ -8,6 +8,12 @@
 /// them. Lengths in the tables are millimetres.
 namespace livemvs::experiments {
 
+/// Bins of the dense posterior in depth and in the inlier ratio, [VH11] Sec. 3.1.
+inline constexpr int kZBins = 500, kPiBins = 100;
+
+/// Both counts of the prior of the inlier ratio, [VH11] Sec. 4.2.
+inline constexpr double kPrior = 10;
+
 struct Settings {
   std::filesystem::path tables;  ///< Folder of the tables.
   std::filesystem::path maps;    ///< Folder of tables that are too large to keep.

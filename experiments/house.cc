@@ -14,7 +14,6 @@
 namespace livemvs::experiments {
 namespace {
 
-constexpr double kNoise = 2;   // [grey levels]
 constexpr int kSkip = 20;      // [VH11] Sec. 5: every 20th frame
 constexpr double kReach = 10;  // of the curves [mm]
 constexpr int kSteps = 100;    // of the curves

@@ -17,8 +17,7 @@ namespace {
 // As in [VH11] Fig. 2b.
 constexpr int kNeighbours = 60;
 
-constexpr double kNoise = 2;  // [grey levels]
-constexpr int kBorder = 4;    // of the picture [px]
+constexpr int kBorder = 4;  // of the picture [px]
 
 bool IsStone(const SyntheticScene& scene, const PixelSensor& sensor) {
   SyntheticScene::Hit hit;

@@ -9,6 +9,9 @@
 
 namespace livemvs::experiments {
 
+/// Of rendered pictures [grey levels].
+inline constexpr double kNoise = 2;
+
 /// A scene in pictures, and some of its pixels as depth sensors.
 struct PixelSet {
   SyntheticScene scene;

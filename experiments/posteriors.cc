@@ -13,14 +13,11 @@ namespace livemvs::experiments {
 namespace {
 
 // [VH11] Sec. 3.1 and Fig. 3.
-constexpr int kZBins = 500, kPiBins = 100;
 constexpr int kUpdates[] = {5, 10, 20, 100};
 constexpr int kLast = 100;
 
-// The prior of the parametric posterior: uniform in pi, as the histogram's.
+// The prior of the parametric posterior: uniform in pi, as the histogram's; kPrior is the paper's.
 constexpr double kUniform = 1;
-// And that of Sec. 4.2.
-constexpr double kPrior = 10;
 
 // Estimates agree within this share of the range.
 constexpr double kAgree = 0.01;

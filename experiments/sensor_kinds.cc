@@ -13,9 +13,6 @@
 namespace livemvs::experiments {
 namespace {
 
-constexpr double kNoise = 2;   // [grey levels]
-constexpr double kPrior = 10;  // [VH11] Sec. 4.2
-
 struct Kind {
   const char* name;
   // Of the sensor and of its surface's material.

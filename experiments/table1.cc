@@ -19,12 +19,6 @@ namespace {
 // it, so there is a row for each.
 constexpr int kBins[] = {50, 100, 200, 300, 400, 500, 1000};
 
-// [VH11] Sec. 3.1.
-constexpr int kZBins = 500, kPiBins = 100;
-
-// [VH11] Sec. 4.2.
-constexpr double kPrior = 10;
-
 // tau [px] besides the published 1: what the matches' own scatter would suggest.
 constexpr double kFinerTaus[] = {0.5, 0.25};
 

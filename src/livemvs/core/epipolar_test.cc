@@ -9,7 +9,7 @@
 namespace livemvs {
 namespace {
 
-Camera MakeCamera(CameraModel model) {
+Camera CameraOf(CameraModel model) {
   Camera camera{model, 640, 480, 520, 515, 318.5, 241.25, {}};
   if (model == CameraModel::kBrownConrady) {
     camera.distortion = {-0.28, 0.09, 0.0008, -0.0005, -0.012, 0.01, -0.004, 0.001};
@@ -59,8 +59,8 @@ class EpipolarTest : public ::testing::TestWithParam<Parameters> {
   }
 
   std::mt19937 random_{11};
-  Camera ref_ = MakeCamera(std::get<0>(GetParam()));
-  Camera cur_ = MakeCamera(std::get<0>(GetParam()));
+  Camera ref_ = CameraOf(std::get<0>(GetParam()));
+  Camera cur_ = CameraOf(std::get<0>(GetParam()));
   Projector projector_{cur_};
   Rigid3d ref_from_world_ = Pose(0.3, {1, 2, 3}, {0.1, -0.2, 0.3});
   Rigid3d cur_from_world_ = Pose(0.08, {1, -1, 0.5}, {0.05, 0.04, -0.06}) * ref_from_world_;
@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(ModelsAndCoordinates,
                                                               DepthCoordinate::kInverseDepth)));
 
 TEST(RelativeViewTest, RollIsTheRotationOfThePicture) {
-  const Camera camera = MakeCamera(CameraModel::kPinhole);
+  const Camera camera = CameraOf(CameraModel::kPinhole);
   for (const double roll : {-2.0, -0.3, 0.0, 0.7, 3.0}) {
     const auto view =
         MakeRelativeView<double>(camera, {}, camera, Pose(roll, {0, 0, 1}, {0, 0, 0}));

@@ -12,6 +12,9 @@ namespace livemvs {
 /// An 8-bit colour picture, (height, width), red green blue.
 using RgbImage = Image<Rgb>;
 
+/// Of text, axes and scales.
+inline constexpr Rgb kInk = {45, 48, 54};
+
 /// A picture of one colour.
 RgbImage MakeRgbImage(int width, int height, Rgb color);
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "livemvs/core/format_text.h"
 #include "livemvs/eval/evaluate.h"
 #include "livemvs/parallel/parallel_for.h"
 
@@ -125,13 +125,6 @@ double Ratio(std::size_t part, std::size_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
 
-template <typename... Args>
-std::string Format(const char* format, Args... args) {
-  char text[256];
-  std::snprintf(text, sizeof(text), format, args...);
-  return text;
-}
-
 }  // namespace
 
 void FalseConvergenceOptions::Check() const {
@@ -185,58 +178,59 @@ FalseConvergence MeasureFalseConvergence(std::span<const SeedRecord> seeds,
 
 std::string FalseConvergenceTable(const FalseConvergence& result,
                                   const FalseConvergenceOptions& options) {
-  std::string table = Format(
+  std::string table = FormatText(
       "seeds             %zu planted in the %zu frames with labels", result.judged, result.views);
-  table += Format("  (in others: %zu)\n", result.not_judged);
-  table += Format("false             off by more than %g %% of the true depth, or nothing there;\n",
-                  100 * options.tolerance);
+  table += FormatText("  (in others: %zu)\n", result.not_judged);
+  table +=
+      FormatText("false             off by more than %g %% of the true depth, or nothing there;\n",
+                 100 * options.tolerance);
   table += "beside            of the false ones: at the depth of another surface in the patch\n";
   table += "phantoms          the other false ones\n";
   table += "points            converged seeds that the finished cloud keeps\n\n";
-  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%8s%7s%9s   error [%% of depth]\n",
-                  "",
-                  "",
-                  "",
-                  "",
-                  "",
-                  "false of",
-                  "phantoms",
-                  "false of",
-                  "",
-                  "false",
-                  "of pl.");
-  table += Format("%-23s%8s%10s%7s%7s%9s%9s%10s%8s%7s%9s%7s%7s%7s\n",
-                  "pixels",
-                  "planted",
-                  "converged",
-                  "false",
-                  "beside",
-                  "planted",
-                  "of pl.",
-                  "converged",
-                  "points",
-                  "points",
-                  "",
-                  "50%",
-                  "90%",
-                  "99%");
+  table += FormatText("%-23s%8s%10s%7s%7s%9s%9s%10s%8s%7s%9s   error [%% of depth]\n",
+                      "",
+                      "",
+                      "",
+                      "",
+                      "",
+                      "false of",
+                      "phantoms",
+                      "false of",
+                      "",
+                      "false",
+                      "of pl.");
+  table += FormatText("%-23s%8s%10s%7s%7s%9s%9s%10s%8s%7s%9s%7s%7s%7s\n",
+                      "pixels",
+                      "planted",
+                      "converged",
+                      "false",
+                      "beside",
+                      "planted",
+                      "of pl.",
+                      "converged",
+                      "points",
+                      "points",
+                      "",
+                      "50%",
+                      "90%",
+                      "99%");
   for (std::size_t k = 0; k < kLabelClasses.size(); ++k) {
     const ConvergenceCounts& c = result.classes[k];
-    table += Format("%-23s%8zu%10zu%7zu%7zu%8.2f%%%8.2f%%%9.2f%%%8zu%7zu%8.2f%%",
-                    kLabelClasses[k].name,
-                    c.planted,
-                    c.converged,
-                    c.falsely_converged,
-                    c.beside,
-                    100 * c.FalseRate(),
-                    100 * c.PhantomRate(),
-                    100 * c.FalseShare(),
-                    c.points,
-                    c.false_points,
-                    100 * c.FalsePointRate());
+    table += FormatText("%-23s%8zu%10zu%7zu%7zu%8.2f%%%8.2f%%%9.2f%%%8zu%7zu%8.2f%%",
+                        kLabelClasses[k].name,
+                        c.planted,
+                        c.converged,
+                        c.falsely_converged,
+                        c.beside,
+                        100 * c.FalseRate(),
+                        100 * c.PhantomRate(),
+                        100 * c.FalseShare(),
+                        c.points,
+                        c.false_points,
+                        100 * c.FalsePointRate());
     for (const int q : kPercentiles) {
       const auto p = Percentile(c.errors, q);
-      table += p ? Format("%7.2f", 100 * *p) : Format("%7s", "-");
+      table += p ? FormatText("%7.2f", 100 * *p) : FormatText("%7s", "-");
     }
     table += "\n";
   }

@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 
 // A wall at z = 2 that covers x < 0.5 alone, seen by a turned and moved camera.
-TriangleMesh Wall() {
+TriangleMesh HalfWall() {
   TriangleMesh mesh;
   mesh.vertices = {{-20, -20, 2}, {0.5F, -20, 2}, {0.5F, 20, 2}, {-20, 20, 2}};
   mesh.faces = {{0, 1, 2}, {0, 2, 3}};
@@ -90,7 +90,7 @@ class FalseConvergenceTest : public testing::Test {
     return MeasureFalseConvergence(seeds_, views, surface, {.tolerance = tolerance});
   }
 
-  MeshSurface surface_{Wall()};
+  MeshSurface surface_{HalfWall()};
   LabelledView view_ = View(8);
   std::vector<SeedRecord> seeds_{
       // Textureless alone: six planted, of them three converged, two falsely.
@@ -179,7 +179,7 @@ TEST_F(FalseConvergenceTest, WhereNothingIsEveryConvergenceIsFalse) {
 
 TEST_F(FalseConvergenceTest, TellsANeighboursDepthFromAPhantom) {
   // Before the wall hangs a strip as wide as three pixels, about the column of pixel 20.
-  TriangleMesh mesh = Wall();
+  TriangleMesh mesh = HalfWall();
   const Rigid3d world_from_cam = view_.cam_from_world.Inverse();
   const auto corner = [&](double x, double y) {
     const Camera& c = view_.camera;

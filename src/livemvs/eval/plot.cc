@@ -9,7 +9,6 @@ namespace livemvs {
 namespace {
 
 constexpr Rgb kPaper = {255, 255, 255};
-constexpr Rgb kInk = {45, 48, 54};
 constexpr Rgb kGrid = {226, 229, 233};
 
 /// Maps the values of the axes to the pixels of the plot's frame.

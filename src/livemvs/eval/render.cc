@@ -13,7 +13,6 @@
 namespace livemvs {
 namespace {
 
-constexpr Rgb kInk = {45, 48, 54};
 constexpr Rgb kGrey = {190, 188, 184};
 
 float Quantile(std::vector<float> values, double q) {

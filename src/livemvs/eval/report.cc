@@ -2,25 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <stdexcept>
 
+#include "livemvs/core/format_text.h"
 #include "livemvs/eval/plot.h"
 
 namespace livemvs {
 namespace {
-
-__attribute__((format(printf, 1, 2))) std::string Format(const char* format, ...) {
-  char text[256];
-  va_list args;
-  va_start(args, format);
-  std::vsnprintf(text, sizeof(text), format, args);
-  va_end(args);
-  return text;
-}
 
 /// Mean and root mean square of the distances. [scene]
 struct Moments {
@@ -62,37 +52,37 @@ void ReportOptions::Check() const {
 std::string EvaluationTable(const Evaluation& e, const ReportOptions& options) {
   options.Check();
   const char* unit = options.unit.c_str();
-  std::string table = Format("points            %zu", e.points);
-  table += Format("  (in the box: %zu, not finite: %zu)\n", e.accuracy.size(), e.not_finite);
-  table += Format(
+  std::string table = FormatText("points            %zu", e.points);
+  table += FormatText("  (in the box: %zu, not finite: %zu)\n", e.accuracy.size(), e.not_finite);
+  table += FormatText(
       "surface samples   %zu judged of %zu in the box", e.completeness.size(), e.samples_in_box);
-  if (e.cameras > 0) table += Format(", seen by enough of %zu cameras", e.cameras);
+  if (e.cameras > 0) table += FormatText(", seen by enough of %zu cameras", e.cameras);
   table += "\n\n";
   if (e.accuracy.empty()) {
     table += "distance of the points to the surface: no points in the box\n";
   } else {
     const Moments m = MomentsOf(e.accuracy);
     table += "distance of the points to the surface\n ";
-    for (double q : options.percentiles) table += Format("%9s%%", ShortNumber(q).c_str());
-    table += Format("%10s%10s\n ", "mean", "rms");
+    for (double q : options.percentiles) table += FormatText("%9s%%", ShortNumber(q).c_str());
+    table += FormatText("%10s%10s\n ", "mean", "rms");
     for (double q : options.percentiles) {
-      table += Format("%10.3f", *Percentile(e.accuracy, q) * options.units_per_scene);
+      table += FormatText("%10.3f", *Percentile(e.accuracy, q) * options.units_per_scene);
     }
-    table += Format("%10.3f%10.3f  %s\n",
-                    m.mean * options.units_per_scene,
-                    m.rms * options.units_per_scene,
-                    unit);
+    table += FormatText("%10.3f%10.3f  %s\n",
+                        m.mean * options.units_per_scene,
+                        m.rms * options.units_per_scene,
+                        unit);
   }
-  table += Format("\n%10s   %10s %14s %10s\n", "within", "accuracy", "completeness", "F-score");
+  table += FormatText("\n%10s   %10s %14s %10s\n", "within", "accuracy", "completeness", "F-score");
   for (double tau : options.taus) {
     const double a = ShareWithin(e.accuracy, tau / options.units_per_scene);
     const double c = ShareWithin(e.completeness, tau / options.units_per_scene);
-    table += Format("%7s %-4s %9.2f%% %13.2f%% %9.2f%%\n",
-                    ShortNumber(tau).c_str(),
-                    unit,
-                    100 * a,
-                    100 * c,
-                    100 * FScore(a, c));
+    table += FormatText("%7s %-4s %9.2f%% %13.2f%% %9.2f%%\n",
+                        ShortNumber(tau).c_str(),
+                        unit,
+                        100 * a,
+                        100 * c,
+                        100 * FScore(a, c));
   }
   return table;
 }

@@ -1,4 +1,5 @@
 #include "livemvs/exchange/glb.h"
+#include "livemvs/exchange/glb_numbers.h"
 
 #include <array>
 #include <cmath>
@@ -23,10 +24,8 @@ namespace {
 using nlohmann::json;
 
 // Numbers of the specification of glTF 2.0.
-constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr int kPoints = 0, kTriangles = 4;
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
 
 /// A part of the binary chunk: its size is known before its bytes are.
 struct Part {
@@ -112,16 +111,16 @@ class GlbBuilder {
                       " MiB; write .ply or .las, or fewer points (--points)");
     }
     std::string head;
-    for (const std::uint32_t word : {kMagic,
+    for (const std::uint32_t word : {glb::kMagic,
                                      std::uint32_t{2},
                                      static_cast<std::uint32_t>(total),
                                      static_cast<std::uint32_t>(text.size()),
-                                     kJsonChunk}) {
+                                     glb::kJsonChunk}) {
       AppendLittleEndian(&head, word);
     }
     head += text;
     AppendLittleEndian(&head, static_cast<std::uint32_t>(size_));
-    AppendLittleEndian(&head, kBinChunk);
+    AppendLittleEndian(&head, glb::kBinChunk);
     AtomicFile file(path);
     file.Write(head);
     for (const Part& part : parts_) {
@@ -163,7 +162,7 @@ class GlbBuilder {
   int AddAccessor(std::optional<int> view, int type, std::int64_t count, const char* shape) {
     json accessor = {{"componentType", type}, {"count", count}, {"type", shape}};
     if (view) accessor["bufferView"] = *view;
-    if (type == kUnsignedShort) accessor["normalized"] = true;
+    if (type == glb::kUnsignedShort) accessor["normalized"] = true;
     json_["accessors"].push_back(accessor);
     return static_cast<int>(json_["accessors"].size()) - 1;
   }
@@ -193,14 +192,14 @@ class GlbBuilder {
     const int positions =
         vectors([this](std::size_t i) { return LocalPosition(model_.vertices[i], origin_); });
     json& attributes = (*primitive)["attributes"];
-    attributes["POSITION"] = AddAccessor(positions, kFloat, count, "VEC3");
+    attributes["POSITION"] = AddAccessor(positions, glb::kFloat, count, "VEC3");
     AddBounds(attributes["POSITION"]);
     if (model_.has_normals) {
       const int normals = vectors([this](std::size_t i) { return UnitNormal(model_.vertices[i]); });
-      attributes["NORMAL"] = AddAccessor(normals, kFloat, count, "VEC3");
+      attributes["NORMAL"] = AddAccessor(normals, glb::kFloat, count, "VEC3");
     }
     if (model_.has_colors) {
-      attributes["COLOR_0"] = AddAccessor(AddColors(), kUnsignedShort, count, "VEC4");
+      attributes["COLOR_0"] = AddAccessor(AddColors(), glb::kUnsignedShort, count, "VEC4");
     }
     if (model_.IsMesh()) AddIndices(primitive);
   }
@@ -227,24 +226,24 @@ class GlbBuilder {
         }
       });
     });
-    (*primitive)["indices"] = AddAccessor(view, kUnsignedInt, count, "SCALAR");
+    (*primitive)["indices"] = AddAccessor(view, glb::kUnsignedInt, count, "SCALAR");
   }
 
   void AddCompressed(json* primitive) {
     DracoMesh mesh = CompressMesh(model_, origin_, options_.position_bits);
     json ids = {{"POSITION", mesh.position_id}};
     json& attributes = (*primitive)["attributes"];
-    attributes["POSITION"] = AddAccessor({}, kFloat, mesh.points, "VEC3");
+    attributes["POSITION"] = AddAccessor({}, glb::kFloat, mesh.points, "VEC3");
     AddBounds(attributes["POSITION"]);
     if (mesh.normal_id >= 0) {
       ids["NORMAL"] = mesh.normal_id;
-      attributes["NORMAL"] = AddAccessor({}, kFloat, mesh.points, "VEC3");
+      attributes["NORMAL"] = AddAccessor({}, glb::kFloat, mesh.points, "VEC3");
     }
     if (mesh.color_id >= 0) {
       ids["COLOR_0"] = mesh.color_id;
-      attributes["COLOR_0"] = AddAccessor({}, kUnsignedShort, mesh.points, "VEC4");
+      attributes["COLOR_0"] = AddAccessor({}, glb::kUnsignedShort, mesh.points, "VEC4");
     }
-    (*primitive)["indices"] = AddAccessor({}, kUnsignedInt, 3 * mesh.faces, "SCALAR");
+    (*primitive)["indices"] = AddAccessor({}, glb::kUnsignedInt, 3 * mesh.faces, "SCALAR");
     const auto size = static_cast<std::int64_t>(mesh.bytes.size());
     const int view =
         AddView(size, 0, [bytes = std::move(mesh.bytes)](AtomicFile& file) { file.Write(bytes); });

@@ -11,6 +11,7 @@
 
 #include "livemvs/core/error.h"
 #include "livemvs/exchange/glb.h"
+#include "livemvs/exchange/glb_numbers.h"
 #include "livemvs/exchange/linear_color.h"
 #include "livemvs/io/little_endian.h"
 
@@ -19,10 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-// Numbers of the specification of glTF 2.0.
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
-constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 
 /// The bytes of an accessor, which are all there.
 struct Rows {
@@ -41,14 +38,14 @@ struct Form {
   const char* shape;
   std::size_t row_bytes;
 };
-constexpr Form kVectors{kFloat, "VEC3", 12}, kColors{kUnsignedShort, "VEC4", 8},
-    kIndices{kUnsignedInt, "SCALAR", 4};
+constexpr Form kVectors{glb::kFloat, "VEC3", 12}, kColors{glb::kUnsignedShort, "VEC4", 8},
+    kIndices{glb::kUnsignedInt, "SCALAR", 4};
 
 class GlbReader {
  public:
   GlbReader(std::string_view bytes, const std::string& place) : place_(place) {
     constexpr std::size_t kHeader = 12;
-    if (bytes.size() < kHeader || FromLittleEndian<std::uint32_t>(bytes.data()) != kMagic ||
+    if (bytes.size() < kHeader || FromLittleEndian<std::uint32_t>(bytes.data()) != glb::kMagic ||
         FromLittleEndian<std::uint32_t>(bytes.data() + 4) != 2) {
       Refuse("is not a GLB file (binary glTF 2.0)");
     }
@@ -56,8 +53,8 @@ class GlbReader {
       Refuse("is not as long as its header says; it may be cut short");
     }
     bytes.remove_prefix(kHeader);
-    const std::string_view text = TakeChunk(kJsonChunk, &bytes);
-    binary_ = TakeChunk(kBinChunk, &bytes);
+    const std::string_view text = TakeChunk(glb::kJsonChunk, &bytes);
+    binary_ = TakeChunk(glb::kBinChunk, &bytes);
     json_ = json::parse(text);
   }
 

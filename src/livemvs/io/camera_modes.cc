@@ -16,18 +16,18 @@
 namespace livemvs {
 namespace {
 
-struct Format {
+struct PixelFormat {
   const char* name;
   std::uint32_t fourcc;
   int cost;  ///< What the picture loses: raw ones before compressed ones.
 };
 
-constexpr std::array<Format, 6> kFormats = {{{"yuyv", V4L2_PIX_FMT_YUYV, 0},
-                                             {"nv12", V4L2_PIX_FMT_NV12, 0},
-                                             {"grey", V4L2_PIX_FMT_GREY, 1},
-                                             {"mjpeg", V4L2_PIX_FMT_MJPEG, 2},
-                                             {"mjpeg", V4L2_PIX_FMT_JPEG, 2},
-                                             {"h264", V4L2_PIX_FMT_H264, 3}}};
+constexpr std::array<PixelFormat, 6> kFormats = {{{"yuyv", V4L2_PIX_FMT_YUYV, 0},
+                                                  {"nv12", V4L2_PIX_FMT_NV12, 0},
+                                                  {"grey", V4L2_PIX_FMT_GREY, 1},
+                                                  {"mjpeg", V4L2_PIX_FMT_MJPEG, 2},
+                                                  {"mjpeg", V4L2_PIX_FMT_JPEG, 2},
+                                                  {"h264", V4L2_PIX_FMT_H264, 3}}};
 
 /// A driver that never ends its lists is not followed for ever.
 constexpr std::uint32_t kMostEntries = 256;
@@ -90,7 +90,7 @@ std::vector<std::array<int, 2>> Sizes(V4l2System& system, int fd, std::uint32_t 
 }
 
 int CostOf(const std::string& format) {
-  for (const Format& f : kFormats) {
+  for (const PixelFormat& f : kFormats) {
     if (format == f.name) return f.cost;
   }
   return 9;
@@ -103,7 +103,7 @@ std::invalid_argument BadMode(const std::string& text) {
 }
 
 // Takes a number off the front.
-double TakeNumber(const std::string& text, std::size_t* at) {
+double NumberAt(const std::string& text, std::size_t* at) {
   double value = 0;
   const char* begin = text.data() + *at;
   const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
@@ -124,11 +124,11 @@ ModeWish ParseMode(const std::string& text) {
   ModeWish wish;
   std::size_t at = 0;
   if (at < text.size() && text[at] != '@' && text[at] != ':') {
-    wish.width = static_cast<int>(TakeNumber(text, &at));
+    wish.width = static_cast<int>(NumberAt(text, &at));
     if (at < text.size() && text[at] == 'x') ++at;
-    wish.height = static_cast<int>(TakeNumber(text, &at));
+    wish.height = static_cast<int>(NumberAt(text, &at));
   }
-  if (at < text.size() && text[at] == '@') wish.rate = TakeNumber(text, &++at);
+  if (at < text.size() && text[at] == '@') wish.rate = NumberAt(text, &++at);
   if (at < text.size() && text[at] == ':') {
     wish.format = text.substr(at + 1);
     at = text.size();
@@ -142,14 +142,14 @@ ModeWish ParseMode(const std::string& text) {
 }
 
 std::uint32_t FourccOf(const std::string& format) {
-  for (const Format& f : kFormats) {
+  for (const PixelFormat& f : kFormats) {
     if (format == f.name) return f.fourcc;
   }
   return 0;
 }
 
 std::string FormatOf(std::uint32_t fourcc) {
-  for (const Format& f : kFormats) {
+  for (const PixelFormat& f : kFormats) {
     if (fourcc == f.fourcc) return f.name;
   }
   return "";

@@ -19,8 +19,6 @@ using ::testing::SizeIs;
 
 namespace fs = std::filesystem;
 
-constexpr double kTolerance = 1e-6;  // [px], of 17 digits
-
 struct ColmapCase {
   const char* name;
   int id;

@@ -9,7 +9,7 @@
 namespace livemvs {
 namespace {
 
-constexpr int kFrames = 10;
+constexpr int kSlopeFrames = 10;
 
 Camera TestCamera() {
   Camera camera;
@@ -39,7 +39,7 @@ double Texture(double x, double y) {
 std::vector<PosedFrame> RenderFrames() {
   std::vector<PosedFrame> frames;
   const Eigen::Vector3d normal(-0.5, 0, 1);
-  for (int f = 0; f < kFrames; ++f) {
+  for (int f = 0; f < kSlopeFrames; ++f) {
     PosedFrame frame;
     frame.index = f;
     frame.camera = TestCamera();

@@ -23,8 +23,6 @@ using ::testing::SizeIs;
 
 namespace fs = std::filesystem;
 
-constexpr double kTolerance = 1e-6;  // [px], of 17 digits
-
 void WriteVideo(const TestScene& scene, const fs::path& path) {
   VideoWriterOptions options;
   options.width = kSceneWidth;

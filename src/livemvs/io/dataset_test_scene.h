@@ -12,6 +12,9 @@
 
 namespace livemvs::testing_io {
 
+/// Of pixels that go through a file with 17 digits [px].
+inline constexpr double kTolerance = 1e-6;
+
 /// A few cameras that look at a few points. The pixels are computed here, by the models' formulas
 /// written out once more, and every format that is read back must lead to the same ones.
 struct TestScene {

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 /// The run of digits at `i`, without leading zeros; moves `i` past it.
-std::string_view TakeNumber(std::string_view text, std::size_t* i) {
+std::string_view TakeDigits(std::string_view text, std::size_t* i) {
   while (*i < text.size() && text[*i] == '0') ++*i;
   const std::size_t start = *i;
   while (*i < text.size() && IsDigit(text[*i])) ++*i;
@@ -98,7 +98,7 @@ bool NaturalLess(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
     if (IsDigit(a[i]) && IsDigit(b[j])) {
-      const std::string_view x = TakeNumber(a, &i), y = TakeNumber(b, &j);
+      const std::string_view x = TakeDigits(a, &i), y = TakeDigits(b, &j);
       if (x.size() != y.size()) return x.size() < y.size();
       if (x != y) return x < y;
     } else if (a[i] != b[j]) {

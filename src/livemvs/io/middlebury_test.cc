@@ -15,8 +15,6 @@ using ::testing::SizeIs;
 
 namespace fs = std::filesystem;
 
-constexpr double kTolerance = 1e-6;  // [px], of 17 digits
-
 TEST(MiddleburyTest, ViewsAndTheirBoxReadAsTheSame) {
   const TestScene scene = MakeTestScene(PinholeCamera());
   const fs::path folder = FreshFolder("data");

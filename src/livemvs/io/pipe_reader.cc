@@ -15,7 +15,7 @@
 namespace livemvs {
 namespace {
 
-constexpr int kSliceMs = 100;
+constexpr int kPollMs = 100;
 
 }  // namespace
 
@@ -52,7 +52,7 @@ std::size_t PipeReader::Read(std::uint8_t* data, std::size_t size) {
   }
   while (!cancelled_ && !(give_up && give_up())) {
     pollfd poll_fd{fd_, POLLIN, 0};
-    const int ready = ::poll(&poll_fd, 1, kSliceMs);
+    const int ready = ::poll(&poll_fd, 1, kPollMs);
     if (ready <= 0) continue;  // nothing yet, or a signal
     const ssize_t n = ::read(fd_, data, size);
     if (n > 0) {
@@ -84,7 +84,7 @@ bool PipeReader::WaitForWriter() {
     // close it, so that it has a reader all the time.
     const int fresh = OpenFifo();
     if (fresh < 0) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(kSliceMs));
+      std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
       return false;
     }
     ::close(fd_);
@@ -93,7 +93,7 @@ bool PipeReader::WaitForWriter() {
     peeked_.clear();
   }
   pollfd poll_fd{fd_, POLLIN, 0};
-  return ::poll(&poll_fd, 1, kSliceMs) > 0 && (poll_fd.revents & POLLIN) != 0;
+  return ::poll(&poll_fd, 1, kPollMs) > 0 && (poll_fd.revents & POLLIN) != 0;
 }
 
 }  // namespace livemvs

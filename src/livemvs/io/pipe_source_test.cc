@@ -20,8 +20,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int kWidth = 160, kHeight = 96;
-constexpr int kFrames = 20;
+constexpr int kPipeWidth = 160, kPipeHeight = 96;
+constexpr int kPipeFrames = 20;
 
 class PipeSourceTest : public MediaTest {
  protected:
@@ -73,7 +73,7 @@ class PipeSourceTest : public MediaTest {
     std::string bytes = "YUV4MPEG2 W160 H96 F25:1 Ip C420\n";
     for (int i = first; i < first + count; ++i) {
       bytes += "FRAME\n";
-      AppendPlanes(NumberedPicture(i, kWidth, kHeight), &bytes);
+      AppendPlanes(NumberedPicture(i, kPipeWidth, kPipeHeight), &bytes);
     }
     return bytes;
   }
@@ -89,10 +89,10 @@ class PipeSourceTest : public MediaTest {
 
   // YUYV as webcams send it.
   static std::string Yuyv(int number) {
-    const Picture picture = NumberedPicture(number, kWidth, kHeight);
+    const Picture picture = NumberedPicture(number, kPipeWidth, kPipeHeight);
     std::string bytes;
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kPipeHeight; ++y) {
+      for (int x = 0; x < kPipeWidth; ++x) {
         bytes += static_cast<char>(picture.grey(x, y));
         const auto& chroma = x % 2 == 0 ? picture.cb : picture.cr;
         bytes += static_cast<char>(chroma(x / 2, y / 2));
@@ -104,12 +104,12 @@ class PipeSourceTest : public MediaTest {
   // A JPEG image, taken out of a Motion JPEG video: its packets are whole JPEG files.
   std::string Jpeg(int number) const {
     VideoWriterOptions options;
-    options.width = kWidth;
-    options.height = kHeight;
+    options.width = kPipeWidth;
+    options.height = kPipeHeight;
     options.encoder = "mjpeg";
     options.full_range = true;
     VideoWriter writer(folder_ / "jpeg.avi", options);
-    writer.Write(NumberedPicture(number, kWidth, kHeight));
+    writer.Write(NumberedPicture(number, kPipeWidth, kPipeHeight));
     writer.Finish();
     const std::string avi = ReadBytes(folder_ / "jpeg.avi");
     const std::size_t begin = avi.find("\xFF\xD8\xFF");
@@ -118,12 +118,12 @@ class PipeSourceTest : public MediaTest {
 
   std::string Video(const std::string& name, const std::string& encoder) const {
     VideoWriterOptions options;
-    options.width = kWidth;
-    options.height = kHeight;
+    options.width = kPipeWidth;
+    options.height = kPipeHeight;
     options.frames_per_second = 25;
     options.encoder = encoder;
     VideoWriter writer(folder_ / name, options);
-    for (int i = 0; i < kFrames; ++i) writer.Write(NumberedPicture(i, kWidth, kHeight));
+    for (int i = 0; i < kPipeFrames; ++i) writer.Write(NumberedPicture(i, kPipeWidth, kPipeHeight));
     writer.Finish();
     return ReadBytes(folder_ / name);
   }
@@ -133,30 +133,32 @@ class PipeSourceTest : public MediaTest {
 };
 
 TEST_F(PipeSourceTest, ReadsY4mToThePixelWithItsTimes) {
-  WriteLater({Y4m(0, kFrames)});
+  WriteLater({Y4m(0, kPipeFrames)});
   const auto source = OpenPipe(path_, {});
-  EXPECT_EQ(source->info().width, kWidth);
-  EXPECT_EQ(source->info().height, kHeight);
+  EXPECT_EQ(source->info().width, kPipeWidth);
+  EXPECT_EQ(source->info().height, kPipeHeight);
   const auto frames = ReadAll(source.get());
-  ASSERT_EQ(frames.size(), static_cast<std::size_t>(kFrames));
+  ASSERT_EQ(frames.size(), static_cast<std::size_t>(kPipeFrames));
   constexpr double kRounding = 1e-6;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kPipeFrames; ++i) {
     EXPECT_EQ(frames[i].index, i);
     EXPECT_NEAR(frames[i].timestamp - frames[0].timestamp, i / 25.0, kRounding);
-    EXPECT_EQ(MeanDifference(frames[i].picture->grey, NumberedPicture(i, kWidth, kHeight).grey), 0);
+    EXPECT_EQ(
+        MeanDifference(frames[i].picture->grey, NumberedPicture(i, kPipeWidth, kPipeHeight).grey),
+        0);
   }
 }
 
 TEST_F(PipeSourceTest, ReadsMotionJpegWithTheTimesOfArrival) {
   std::vector<std::string> parts;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kPipeFrames; ++i) {
     parts.push_back(Jpeg(i));
   }
   WriteLater(parts, milliseconds(10));
   const auto source = OpenPipe(path_, {});
   const auto frames = ReadAll(source.get());
   // The last ends only where the next one would begin.
-  ASSERT_GE(frames.size(), static_cast<std::size_t>(kFrames - 1));
+  ASSERT_GE(frames.size(), static_cast<std::size_t>(kPipeFrames - 1));
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(NumberIn(*frames[i].picture), static_cast<int>(i));
     EXPECT_GT(frames[i].timestamp, i > 0 ? frames[i - 1].timestamp : -1);
@@ -167,7 +169,8 @@ TEST_F(PipeSourceTest, ReadsH264InMatroska) {
   WriteLater({Video("video.mkv", "libx264")});
   const auto source = OpenPipe(path_, {});
   const auto frames = ReadAll(source.get());
-  ASSERT_GE(frames.size(), static_cast<std::size_t>(kFrames - 3)) << "the decoder may keep a few";
+  ASSERT_GE(frames.size(), static_cast<std::size_t>(kPipeFrames - 3))
+      << "the decoder may keep a few";
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(NumberIn(*frames[i].picture), static_cast<int>(i));
   }
@@ -175,13 +178,16 @@ TEST_F(PipeSourceTest, ReadsH264InMatroska) {
 
 TEST_F(PipeSourceTest, ReadsRawFramesOfACamera) {
   std::vector<std::string> parts;
-  for (int i = 0; i < kFrames; ++i) parts.push_back(Yuyv(i));
+  for (int i = 0; i < kPipeFrames; ++i) parts.push_back(Yuyv(i));
   WriteLater(parts);
-  const auto source = OpenPipe(path_, {.format = "yuyv422", .width = kWidth, .height = kHeight});
+  const auto source =
+      OpenPipe(path_, {.format = "yuyv422", .width = kPipeWidth, .height = kPipeHeight});
   const auto frames = ReadAll(source.get());
-  ASSERT_EQ(frames.size(), static_cast<std::size_t>(kFrames));
-  for (int i = 0; i < kFrames; ++i) {
-    EXPECT_EQ(MeanDifference(frames[i].picture->grey, NumberedPicture(i, kWidth, kHeight).grey), 0);
+  ASSERT_EQ(frames.size(), static_cast<std::size_t>(kPipeFrames));
+  for (int i = 0; i < kPipeFrames; ++i) {
+    EXPECT_EQ(
+        MeanDifference(frames[i].picture->grey, NumberedPicture(i, kPipeWidth, kPipeHeight).grey),
+        0);
     EXPECT_FALSE(frames[i].picture->cb.empty());
   }
 }

@@ -17,8 +17,6 @@ using ::testing::SizeIs;
 
 namespace fs = std::filesystem;
 
-constexpr double kTolerance = 1e-6;  // [px], of 17 digits
-
 std::string TransformsFrames(const TestScene& scene, const std::string& extension) {
   std::string text = "\"frames\": [";
   for (std::size_t i = 0; i < scene.size(); ++i) {

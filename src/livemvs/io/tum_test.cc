@@ -17,8 +17,6 @@ using ::testing::SizeIs;
 
 namespace fs = std::filesystem;
 
-constexpr double kTolerance = 1e-6;  // [px], of 17 digits
-
 TEST(TumTest, SequenceReadsAsTheSameCameras) {
   const TestScene scene = MakeTestScene(BrownConradyCamera());
   const fs::path folder = FreshFolder("data");

@@ -23,8 +23,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr int kWidth = 160;
-constexpr int kHeight = 112;
+constexpr int kVideoWidth = 160;
+constexpr int kVideoHeight = 112;
 /// Luma of a video at crf 18 differs from the original by less than this in the mean.
 constexpr double kCodingError = 2.5;
 
@@ -32,8 +32,8 @@ class VideoTest : public MediaTest {
  protected:
   static VideoWriterOptions Options() {
     VideoWriterOptions options;
-    options.width = kWidth;
-    options.height = kHeight;
+    options.width = kVideoWidth;
+    options.height = kVideoHeight;
     return options;
   }
 
@@ -41,7 +41,7 @@ class VideoTest : public MediaTest {
   fs::path Make(const std::string& name, int count, const VideoWriterOptions& options) {
     const fs::path path = folder_ / name;
     VideoWriter writer(path, options);
-    for (int i = 0; i < count; ++i) writer.Write(NumberedPicture(i, kWidth, kHeight));
+    for (int i = 0; i < count; ++i) writer.Write(NumberedPicture(i, kVideoWidth, kVideoHeight));
     writer.Finish();
     return path;
   }
@@ -56,8 +56,8 @@ class VideoTest : public MediaTest {
 TEST_F(VideoTest, GivesBackWhatWasWritten) {
   const fs::path path = Make("a.mp4", 70, Options());
   const auto source = OpenVideo(path);
-  EXPECT_EQ(source->info().width, kWidth);
-  EXPECT_EQ(source->info().height, kHeight);
+  EXPECT_EQ(source->info().width, kVideoWidth);
+  EXPECT_EQ(source->info().height, kVideoHeight);
   EXPECT_EQ(source->info().frame_count, 70);
   EXPECT_DOUBLE_EQ(source->info().frames_per_second, 30);
   EXPECT_EQ(source->info().description, "H.264 video 160 x 112, 30 Hz, 70 frames");
@@ -65,7 +65,7 @@ TEST_F(VideoTest, GivesBackWhatWasWritten) {
   ASSERT_THAT(frames, SizeIs(70));
   for (int i = 0; i < 70; ++i) {
     const SourceFrame& frame = frames[static_cast<std::size_t>(i)];
-    const Picture written = NumberedPicture(i, kWidth, kHeight);
+    const Picture written = NumberedPicture(i, kVideoWidth, kVideoHeight);
     EXPECT_EQ(frame.index, i);
     EXPECT_NEAR(frame.timestamp, i / 30.0, 1e-4);
     EXPECT_EQ(NumberIn(*frame.picture), i);
@@ -86,7 +86,7 @@ TEST_F(VideoTest, LosslessLumaComesBackBitForBit) {
   options.crf = 0;
   const auto frames = ReadAll(*OpenVideo(Make("a.mkv", 5, options)));
   ASSERT_THAT(frames, SizeIs(5));
-  const Picture written = NumberedPicture(4, kWidth, kHeight);
+  const Picture written = NumberedPicture(4, kVideoWidth, kVideoHeight);
   EXPECT_EQ(MeanDifference(frames[4].picture->grey, written.grey), 0);
   EXPECT_EQ(MeanDifference(frames[4].picture->cr, written.cr), 0);
 }
@@ -95,9 +95,10 @@ TEST_F(VideoTest, KeepsVariableFrameRate) {
   const std::vector<double> times = {0, 0.04, 0.05, 0.2, 0.21, 0.5, 1.5, 1.52};
   VideoWriter writer(folder_ / "a.mp4", Options());
   for (std::size_t i = 0; i < times.size(); ++i) {
-    writer.Write(NumberedPicture(static_cast<int>(i), kWidth, kHeight), times[i]);
+    writer.Write(NumberedPicture(static_cast<int>(i), kVideoWidth, kVideoHeight), times[i]);
   }
-  EXPECT_THROW(writer.Write(NumberedPicture(0, kWidth, kHeight), 1.0), std::invalid_argument);
+  EXPECT_THROW(writer.Write(NumberedPicture(0, kVideoWidth, kVideoHeight), 1.0),
+               std::invalid_argument);
   writer.Finish();
   const auto frames = ReadAll(*OpenVideo(folder_ / "a.mp4"));
   ASSERT_THAT(frames, SizeIs(times.size()));
@@ -113,11 +114,11 @@ TEST_F(VideoTest, WritesColourAndGreyImages) {
     options.full_range = full_range;
     options.crf = 4;
     VideoWriter writer(folder_ / "a.mp4", options);
-    Image<Rgb> rgb(kWidth, kHeight);
-    Image<std::uint8_t> grey(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        rgb(x, y) = x < kWidth / 2 ? Rgb{200, 60, 30} : Rgb{20, 90, 220};
+    Image<Rgb> rgb(kVideoWidth, kVideoHeight);
+    Image<std::uint8_t> grey(kVideoWidth, kVideoHeight);
+    for (int y = 0; y < kVideoHeight; ++y) {
+      for (int x = 0; x < kVideoWidth; ++x) {
+        rgb(x, y) = x < kVideoWidth / 2 ? Rgb{200, 60, 30} : Rgb{20, 90, 220};
         grey(x, y) = static_cast<std::uint8_t>(x);
       }
     }
@@ -151,7 +152,7 @@ TEST_F(VideoTest, RejectsOptionsAndPicturesThatMakeNoSense) {
 TEST_F(VideoTest, NothingAppearsWithoutFinish) {
   {
     VideoWriter writer(folder_ / "a.mp4", Options());
-    for (int i = 0; i < 5; ++i) writer.Write(NumberedPicture(i, kWidth, kHeight));
+    for (int i = 0; i < 5; ++i) writer.Write(NumberedPicture(i, kVideoWidth, kVideoHeight));
   }
   EXPECT_TRUE(fs::is_empty(folder_));
 }
@@ -221,15 +222,15 @@ TEST_F(VideoTest, AppliesTheRotationInTheMetadata) {
                                    std::tuple(0, 1, 1, 0)}) {
     WriteBytes(folder_ / "b.mp4", WithMatrix(mp4, a, b, c, d));
     const auto source = OpenVideo(folder_ / "b.mp4");
-    EXPECT_EQ(source->info().width, a == 0 ? kHeight : kWidth);
+    EXPECT_EQ(source->info().width, a == 0 ? kVideoHeight : kVideoWidth);
     const auto frames = ReadAll(*source);
     ASSERT_THAT(frames, SizeIs(2));
     const Picture& turned = *frames[0].picture;
     ASSERT_EQ(turned.width(), source->info().width);
     ASSERT_EQ(turned.height(), source->info().height);
     // Where a pixel goes, moved so that the smallest coordinate is 0.
-    const int shift_x = (a < 0 ? kWidth - 1 : 0) + (c < 0 ? kHeight - 1 : 0);
-    const int shift_y = (b < 0 ? kWidth - 1 : 0) + (d < 0 ? kHeight - 1 : 0);
+    const int shift_x = (a < 0 ? kVideoWidth - 1 : 0) + (c < 0 ? kVideoHeight - 1 : 0);
+    const int shift_y = (b < 0 ? kVideoWidth - 1 : 0) + (d < 0 ? kVideoHeight - 1 : 0);
     for (const auto& [x, y] : {std::pair(3, 7), std::pair(150, 20), std::pair(61, 101)}) {
       const int turned_x = a * x + c * y + shift_x, turned_y = b * x + d * y + shift_y;
       EXPECT_EQ(turned.grey(turned_x, turned_y), upright.grey(x, y));
@@ -335,7 +336,8 @@ TEST_F(VideoTest, PassesOverDamagedFramesAndKeepsTheNumbersOfTheOthers) {
   constexpr int kMaxGhosts = 3;
   for (const SourceFrame& frame : frames) {
     EXPECT_NEAR(frame.timestamp, static_cast<double>(frame.index) / 30, 1e-4);
-    const Picture written = NumberedPicture(static_cast<int>(frame.index), kWidth, kHeight);
+    const Picture written =
+        NumberedPicture(static_cast<int>(frame.index), kVideoWidth, kVideoHeight);
     ghosts += MeanDifference(frame.picture->grey, written.grey) > kCodingError;
   }
   EXPECT_LE(ghosts, kMaxGhosts);

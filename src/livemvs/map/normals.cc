@@ -70,14 +70,11 @@ FinitePoints SelectFinite(const PointCloud& cloud) {
   return finite;
 }
 
-/// Points that a thread takes at a time.
-constexpr std::size_t kGrain = 1024;
-
 /// Squared distance of every `step`-th point to its k-th nearest other point.
 std::vector<float> KthDistance2(const PointIndex& index, int k, std::size_t step) {
   std::vector<float> distance2((index.size() + step - 1) / step,
                                std::numeric_limits<float>::infinity());
-  ParallelForRange(0, distance2.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, distance2.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
     for (std::size_t i = first; i != last; ++i) {
       index.Nearest(index.points()[i * step], k + 1, &neighbors);
@@ -136,7 +133,7 @@ void EstimateNormals(PointCloud& cloud, int k) {
   constexpr std::size_t kMedianOf = 20000;
   const float median2 = Median(KthDistance2(index, count - 1, index.size() / kMedianOf + 1));
   const float max_distance2 = kNearFactor * kNearFactor * median2;
-  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, index.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
     for (std::size_t i = first; i != last; ++i) {
       index.Nearest(index.points()[i], count, &neighbors);
@@ -155,7 +152,7 @@ std::vector<float> PointSpacing(const PointCloud& cloud, int k) {
   std::vector<float> spacing(cloud.size(), 0.0f);
   std::vector<float> own(index.size(), std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> nearest(index.size() * static_cast<std::size_t>(k));
-  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, index.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
     for (std::size_t i = first; i != last; ++i) {
       index.Nearest(index.points()[i], k + 1, &neighbors);
@@ -170,7 +167,7 @@ std::vector<float> PointSpacing(const PointCloud& cloud, int k) {
     }
   });
   // A lonely point beside a surface takes the spacing of the surface.
-  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, index.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     std::vector<float> others(static_cast<std::size_t>(k));
     for (std::size_t i = first; i != last; ++i) {
       for (std::size_t j = 0; j < others.size(); ++j) {

@@ -15,8 +15,6 @@
 namespace livemvs {
 namespace {
 
-constexpr std::size_t kGrain = 512;
-
 // Points that must agree: one may be as wrong as the point itself.
 constexpr int kSupporters = 3;
 
@@ -25,7 +23,7 @@ constexpr int kSupporters = 3;
 constexpr int kPlaces = 5;
 
 // Of each, the nearest of this many are looked at.
-constexpr int kNeighbors = 16;
+constexpr int kNearPlace = 16;
 
 // Most offset sideways of a supporter, in its distance ahead.
 constexpr float kSideways = 0.6F;
@@ -45,7 +43,7 @@ class Supporters {
     auto end = found.begin();
     for (int place = kPlaces - 1; place >= 0; --place) {
       const float distance = std::ldexp(reach / std::numbers::sqrt2_v<float>, -place);
-      centred_.index.Nearest(p.position + distance * ahead, kNeighbors, nearest);
+      centred_.index.Nearest(p.position + distance * ahead, kNearPlace, nearest);
       for (const PointIndex::Neighbor& n : *nearest) {
         if (!Agrees(p, ahead, reach, cloud_[centred_.rows[n.index]])) continue;
         if (std::find(found.begin(), end, n.index) != end) continue;
@@ -88,7 +86,7 @@ std::vector<char> FindOverhanging(const OverhangOptions& options, const PointClo
     return overhanging;  // as with clouds of which nothing is known
   }
   const Supporters supporters(options.reach_px, cloud);
-  ParallelForRange(0, cloud.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, cloud.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> nearest;
     for (std::size_t i = first; i < last; ++i) {
       const Point& p = cloud[i];

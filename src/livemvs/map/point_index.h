@@ -8,6 +8,9 @@
 
 namespace livemvs {
 
+/// Points that a thread takes at a time where each asks for its nearest.
+inline constexpr std::size_t kPointsAtATime = 512;
+
 /// Finds the nearest of a fixed set of points. Queries are const and may run in parallel; the same
 /// points give the same answers, ties included.
 class PointIndex {

@@ -11,11 +11,11 @@
 namespace livemvs {
 namespace {
 
-constexpr float kSpacing = 0.001F;     // width of the cells of level 0 ...
-constexpr float kFootprint = 0.0005F;  // ... and of pixels whose points lie there
+constexpr float kCell = 0.001F;         // width of the cells of level 0 ...
+constexpr float kPixelWidth = 0.0005F;  // ... and of pixels whose points lie there
 
 Point MakePoint(const Eigen::Vector3f& position,
-                float footprint = kFootprint,
+                float footprint = kPixelWidth,
                 float sigma = 1e-4F) {
   Point point;
   point.position = position;
@@ -60,9 +60,9 @@ double MedianError(const PointMap& map) {
 }
 
 TEST(PointMap, MergesByInverseVariance) {
-  PointMap map({.spacing = kSpacing});
-  Point a = MakePoint({0.0102F, 0.0202F, 0.0302F}, kFootprint, 1e-4F);
-  Point b = MakePoint({0.0104F, 0.0203F, 0.0306F}, kFootprint, 2e-4F);
+  PointMap map({.spacing = kCell});
+  Point a = MakePoint({0.0102F, 0.0202F, 0.0302F}, kPixelWidth, 1e-4F);
+  Point b = MakePoint({0.0104F, 0.0203F, 0.0306F}, kPixelWidth, 2e-4F);
   b.color = {200, 10, 120};
   b.inlier_ratio = 0.4F;
   std::vector<MapUpdate> updates;
@@ -83,7 +83,7 @@ TEST(PointMap, MergesByInverseVariance) {
     EXPECT_EQ(entry.observations, 2);
     EXPECT_EQ(entry.frame, 7U);
     EXPECT_EQ(entry.id, 0U);
-    EXPECT_NEAR(entry.point.footprint, kFootprint, 0.026F * kFootprint);
+    EXPECT_NEAR(entry.point.footprint, kPixelWidth, 0.026F * kPixelWidth);
   });
 }
 
@@ -100,8 +100,8 @@ TEST(PointMap, NormalsSurviveTheirCode) {
 
 // Every point put in is stood for by one of the map, within the diagonal of its cell.
 TEST(PointMap, LosesNoSurface) {
-  const PointCloud film = Film(1, 0.2F, kFootprint, 1e-4F);
-  PointMap map({.spacing = kSpacing});
+  const PointCloud film = Film(1, 0.2F, kPixelWidth, 1e-4F);
+  PointMap map({.spacing = kCell});
   map.Insert(film, 0);
   const PointCloud kept = map.Cloud();
   EXPECT_EQ(kept.size(), map.size());
@@ -110,17 +110,17 @@ TEST(PointMap, LosesNoSurface) {
   for (std::size_t i = 0; i < film.size(); i += 97, ++tested) {
     float nearest = 1;
     for (const Point& p : kept) nearest = std::min(nearest, (p.position - film[i].position).norm());
-    ASSERT_LT(nearest, std::sqrt(3.0F) * kSpacing);
+    ASSERT_LT(nearest, std::sqrt(3.0F) * kCell);
   }
   EXPECT_GT(tested, 100U);
 }
 
 TEST(PointMap, ARefilmedSurfaceAddsFewPoints) {
   constexpr double kMostDuplicates = 0.05;
-  PointMap map({.spacing = kSpacing});
-  map.Insert(Film(1, 0.5F, kFootprint, 1e-4F), 0);
+  PointMap map({.spacing = kCell});
+  map.Insert(Film(1, 0.5F, kPixelWidth, 1e-4F), 0);
   const auto once = static_cast<double>(map.size());
-  map.Insert(Film(2, 0.5F, kFootprint, 1e-4F), 1);
+  map.Insert(Film(2, 0.5F, kPixelWidth, 1e-4F), 1);
   const double duplicates = static_cast<double>(map.size()) - once;
   RecordProperty("duplicates", std::to_string(duplicates / once));
   EXPECT_LE(duplicates, kMostDuplicates * once) << duplicates / once;
@@ -128,10 +128,10 @@ TEST(PointMap, ARefilmedSurfaceAddsFewPoints) {
 
 TEST(PointMap, AccuracyImprovesWithObservations) {
   const float sigma = 2.5e-4F;
-  PointMap map({.spacing = kSpacing});
+  PointMap map({.spacing = kCell});
   double first = 0, before = std::numeric_limits<double>::infinity();
   for (unsigned pass = 0; pass < 9; ++pass) {
-    map.Insert(Film(pass, 0.2F, kFootprint, sigma), pass);
+    map.Insert(Film(pass, 0.2F, kPixelWidth, sigma), pass);
     const double error = MedianError(map);
     if (pass == 0) first = error;
     if (pass == 2 || pass == 8) {
@@ -146,12 +146,12 @@ TEST(PointMap, AccuracyImprovesWithObservations) {
 }
 
 TEST(PointMap, FinerPointsReplaceCoarserOnes) {
-  PointMap map({.spacing = kSpacing});
-  const float coarse = 4 * kFootprint;
+  PointMap map({.spacing = kCell});
+  const float coarse = 4 * kPixelWidth;
   map.Insert(Film(1, 0.2F, coarse, 4e-4F), 0);
   const std::size_t few = map.size();
   std::vector<MapUpdate> updates;
-  map.Insert(Film(2, 0.2F, kFootprint, 1e-4F), 1, &updates);
+  map.Insert(Film(2, 0.2F, kPixelWidth, 1e-4F), 1, &updates);
   std::size_t replaced = 0;
   for (const MapUpdate& update : updates) replaced += update.change == MapChange::kReplaced;
   EXPECT_GT(replaced, few / 2);
@@ -163,7 +163,7 @@ TEST(PointMap, FinerPointsReplaceCoarserOnes) {
 }
 
 TEST(PointMap, BothSidesOfASheetStay) {
-  PointMap map({.spacing = kSpacing});
+  PointMap map({.spacing = kCell});
   Point front = MakePoint({0.0005F, 0.0005F, 0.0028F});
   Point back = MakePoint({0.0005F, 0.0005F, 0.0031F});
   back.normal = {0, 0, -1};
@@ -172,7 +172,7 @@ TEST(PointMap, BothSidesOfASheetStay) {
   EXPECT_EQ(map.size(), 2U);
   EXPECT_EQ(updates[1].change, MapChange::kAdded);
   // In one cell there is room for one: the more certain.
-  Point certain = MakePoint({0.0005F, 0.0005F, 0.0026F}, kFootprint, 2e-5F);
+  Point certain = MakePoint({0.0005F, 0.0005F, 0.0026F}, kPixelWidth, 2e-5F);
   certain.normal = {0, 0, -1};
   map.Insert(std::vector<Point>{certain}, 1, &updates);
   EXPECT_EQ(updates[0].change, MapChange::kReplaced);
@@ -181,10 +181,10 @@ TEST(PointMap, BothSidesOfASheetStay) {
 }
 
 TEST(PointMap, IdsStayAndAreUnique) {
-  PointMap map({.spacing = kSpacing});
+  PointMap map({.spacing = kCell});
   std::set<std::uint32_t> given;
   for (unsigned pass = 0; pass < 3; ++pass) {
-    const PointCloud film = Film(pass, 0.1F, kFootprint * (pass == 0 ? 2.0F : 1.0F), 1e-4F);
+    const PointCloud film = Film(pass, 0.1F, kPixelWidth * (pass == 0 ? 2.0F : 1.0F), 1e-4F);
     std::vector<MapUpdate> updates;
     map.Insert(film, pass, &updates);
     ASSERT_EQ(updates.size(), film.size());
@@ -202,10 +202,10 @@ TEST(PointMap, IdsStayAndAreUnique) {
 }
 
 TEST(PointMap, KeepsItsMemoryByCoarsening) {
-  PointMapOptions options{.spacing = kSpacing, .max_bytes = std::size_t{6} << 20};
+  PointMapOptions options{.spacing = kCell, .max_bytes = std::size_t{6} << 20};
   PointMap map(options);
   for (unsigned pass = 0; pass < 6; ++pass) {
-    PointCloud film = Film(pass, 0.3F, kFootprint, 1e-4F);
+    PointCloud film = Film(pass, 0.3F, kPixelWidth, 1e-4F);
     for (Point& point : film) point.position.x() += 0.3F * static_cast<float>(pass);
     map.Insert(film, pass);
     // The table may double, and a piece be begun, before it is noticed.
@@ -222,26 +222,26 @@ TEST(PointMap, KeepsItsMemoryByCoarsening) {
 }
 
 TEST(PointMap, CoversWhatItHolds) {
-  PointMap map({.spacing = kSpacing});
-  map.Insert(Film(1, 0.1F, kFootprint, 1e-4F), 0);
+  PointMap map({.spacing = kCell});
+  map.Insert(Film(1, 0.1F, kPixelWidth, 1e-4F), 0);
   const Eigen::Vector3f on(0.05F, 0.05F, Ground(0.05F, 0.05F));
   const Eigen::Vector3f up(0, 0, 1);
-  EXPECT_TRUE(map.Covers(on, kFootprint, up, 0.9F));
-  EXPECT_TRUE(map.Covers(on, 4 * kFootprint, up, 0.9F));   // finer than asked for
-  EXPECT_FALSE(map.Covers(on, kFootprint / 4, up, 0.9F));  // coarser
-  EXPECT_FALSE(map.Covers(on, kFootprint, -up, 0.9F));     // from behind
-  EXPECT_FALSE(map.Covers(on + 0.05F * up, kFootprint, up, 0.9F));
-  EXPECT_FALSE(PointMap().Covers(on, kFootprint, up, 0.9F));
+  EXPECT_TRUE(map.Covers(on, kPixelWidth, up, 0.9F));
+  EXPECT_TRUE(map.Covers(on, 4 * kPixelWidth, up, 0.9F));   // finer than asked for
+  EXPECT_FALSE(map.Covers(on, kPixelWidth / 4, up, 0.9F));  // coarser
+  EXPECT_FALSE(map.Covers(on, kPixelWidth, -up, 0.9F));     // from behind
+  EXPECT_FALSE(map.Covers(on + 0.05F * up, kPixelWidth, up, 0.9F));
+  EXPECT_FALSE(PointMap().Covers(on, kPixelWidth, up, 0.9F));
 }
 
 TEST(PointMap, LevelsOfDetailAreThinAndOfItsPoints) {
-  PointMap map({.spacing = kSpacing});
-  map.Insert(Film(1, 0.25F, kFootprint, 1e-4F), 0);
+  PointMap map({.spacing = kCell});
+  map.Insert(Film(1, 0.25F, kPixelWidth, 1e-4F), 0);
   std::set<std::array<float, 3>> all;
   for (const Point& p : map.Cloud()) all.insert({p.position.x(), p.position.y(), p.position.z()});
   std::size_t before = map.size() + 1;
   for (int level = 0; level < 7; ++level) {
-    const float width = std::ldexp(kSpacing, level);
+    const float width = std::ldexp(kCell, level);
     const PointCloud detail = map.LevelOfDetail(width);
     EXPECT_LT(detail.size(), before);
     // About one a square of that width, and everywhere.

@@ -13,8 +13,6 @@
 namespace livemvs {
 namespace {
 
-constexpr std::size_t kGrain = 512;
-
 // Steps of iteratively reweighted least squares: the third changes little.
 constexpr int kIterations = 3;
 
@@ -85,7 +83,7 @@ std::vector<char> Regularise(const RegularisationOptions& options, PointCloud* c
   const std::vector<std::size_t>& rows = picked.rows;
   const PointIndex& index = picked.index;
   std::vector<char> unsupported(cloud->size(), 0);
-  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, index.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> nearest;
     std::vector<Neighbor> neighbors;
     for (std::size_t i = first; i < last; ++i) {

@@ -14,27 +14,27 @@
 namespace livemvs {
 namespace {
 
-constexpr float kFootprint = 0.01F;
-constexpr float kSigma = 0.008F;
+constexpr float kSheetPixel = 0.01F;
+constexpr float kSheetSigma = 0.008F;
 
-Point At(float x, float y, float z) {
+Point SheetPoint(float x, float y, float z) {
   Point p;
   p.position = {x, y, z};
   p.normal = {0, 0, 1};
-  p.sigma = kSigma;
-  p.footprint = kFootprint;
+  p.sigma = kSheetSigma;
+  p.footprint = kSheetPixel;
   return p;
 }
 
 // A sheet at z = 0, a point a footprint, with the noise that the points claim to have.
 PointCloud NoisySheet() {
   std::mt19937 random(1);
-  std::normal_distribution<float> noise(0, kSigma);
+  std::normal_distribution<float> noise(0, kSheetSigma);
   PointCloud cloud;
   for (int y = 0; y < 40; ++y) {
     for (int x = 0; x < 40; ++x) {
-      cloud.push_back(At(
-          kFootprint * static_cast<float>(x), kFootprint * static_cast<float>(y), noise(random)));
+      cloud.push_back(SheetPoint(
+          kSheetPixel * static_cast<float>(x), kSheetPixel * static_cast<float>(y), noise(random)));
     }
   }
   return cloud;
@@ -62,7 +62,7 @@ TEST(RegulariseTest, NoPointMovesFurtherThanItsOwnUncertainty) {
   PointCloud after = before;
   ASSERT_EQ(Count(Regularise({.min_support = 0}, &after)), 0U);
   for (std::size_t i = 0; i < before.size(); ++i) {
-    EXPECT_LE((after[i].position - before[i].position).norm(), kSigma * 1.0001F);
+    EXPECT_LE((after[i].position - before[i].position).norm(), kSheetSigma * 1.0001F);
   }
 }
 
@@ -70,23 +70,23 @@ TEST(RegulariseTest, LonelyPointsGo) {
   PointCloud cloud = NoisySheet();
   for (Point& p : cloud) p.position.z() *= 0.1F;
   const std::size_t sheet = cloud.size();
-  cloud.push_back(At(0.2F, 0.2F, 0.3F));
-  cloud.push_back(At(0.21F, 0.2F, 0.3F));
+  cloud.push_back(SheetPoint(0.2F, 0.2F, 0.3F));
+  cloud.push_back(SheetPoint(0.21F, 0.2F, 0.3F));
   const std::vector<char> unsupported = Regularise({}, &cloud);
   EXPECT_EQ(Count(unsupported), 2U);
   EXPECT_EQ(RemoveMarked(unsupported, &cloud), 2U);
   EXPECT_EQ(cloud.size(), sheet);
-  for (const Point& p : cloud) EXPECT_LT(std::abs(p.position.z()), kSigma);
+  for (const Point& p : cloud) EXPECT_LT(std::abs(p.position.z()), kSheetSigma);
 }
 
 TEST(RegulariseTest, PointsBesideASurfaceDoNotBendIt) {
   PointCloud cloud = NoisySheet();
   for (Point& p : cloud) p.position.z() *= 0.1F;
   const PointCloud alone = cloud;
-  cloud.push_back(At(0.2F, 0.2F, 4 * kFootprint));
+  cloud.push_back(SheetPoint(0.2F, 0.2F, 4 * kSheetPixel));
   ASSERT_EQ(Count(Regularise({.min_support = 0}, &cloud)), 0U);
   for (std::size_t i = 0; i < alone.size(); ++i) {
-    EXPECT_LT(std::abs(cloud[i].position.z()), 0.4F * kSigma);
+    EXPECT_LT(std::abs(cloud[i].position.z()), 0.4F * kSheetSigma);
   }
 }
 
@@ -94,21 +94,21 @@ TEST(RegulariseTest, AnEdgeStaysSharp) {
   PointCloud cloud;  // two sheets that meet at a right angle along y
   for (int v = 0; v < 30; ++v) {
     for (int u = 0; u < 30; ++u) {
-      const float a = kFootprint * (static_cast<float>(u) + 0.5F);
-      const float b = kFootprint * static_cast<float>(v);
-      cloud.push_back(At(a, b, 0));
-      cloud.push_back(At(0, b, a));
+      const float a = kSheetPixel * (static_cast<float>(u) + 0.5F);
+      const float b = kSheetPixel * static_cast<float>(v);
+      cloud.push_back(SheetPoint(a, b, 0));
+      cloud.push_back(SheetPoint(0, b, a));
     }
   }
-  for (Point& p : cloud) p.sigma = 0.25F * kFootprint;
+  for (Point& p : cloud) p.sigma = 0.25F * kSheetPixel;
   const std::vector<char> unsupported = Regularise({}, &cloud);
   RemoveMarked(unsupported, &cloud);
   // Points next to the edge may use up their uncertainty; the rest stays on its sheet.
   int moved = 0;
   for (const Point& p : cloud) {
     const float off = std::min(std::abs(p.position.x()), std::abs(p.position.z()));
-    EXPECT_LE(off, 0.25F * kFootprint * 1.0001F);
-    moved += off > 0.02F * kFootprint;
+    EXPECT_LE(off, 0.25F * kSheetPixel * 1.0001F);
+    moved += off > 0.02F * kSheetPixel;
   }
   EXPECT_LT(moved, static_cast<int>(cloud.size()) / 10);
 }
@@ -134,13 +134,13 @@ TEST(FindSupersededTest, CoarsePointsGoWhereFinerOnesAre) {
   PointCloud cloud = NoisySheet();
   for (Point& p : cloud) p.position.z() = 0;
   const std::size_t fine = cloud.size();
-  Point coarse = At(0.1F, 0.1F, 0.001F);
-  coarse.footprint = 2 * kFootprint;
+  Point coarse = SheetPoint(0.1F, 0.1F, 0.001F);
+  coarse.footprint = 2 * kSheetPixel;
   cloud.push_back(coarse);  // on the sheet
   coarse.position.x() = 0.5F;
   cloud.push_back(coarse);  // beside it
-  Point alike = At(0.105F, 0.105F, 0.001F);
-  alike.footprint = 1.3F * kFootprint;  // another distance, the same level
+  Point alike = SheetPoint(0.105F, 0.105F, 0.001F);
+  alike.footprint = 1.3F * kSheetPixel;  // another distance, the same level
   cloud.push_back(alike);
   std::vector<char> expected(cloud.size(), 0);
   expected[fine] = 1;

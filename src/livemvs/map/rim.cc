@@ -13,8 +13,6 @@
 namespace livemvs {
 namespace {
 
-constexpr std::size_t kGrain = 512;
-
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 
 // A point with others all around leaves no wider gap than this between their directions.
@@ -27,7 +25,7 @@ constexpr std::size_t kLeastOthers = 8;
 constexpr float kFarthest = 4;
 
 // More neighbours only make gaps narrower: most points are found to be inside with the first few.
-constexpr int kNeighbors[] = {16, 64};
+constexpr int kNearestOthers[] = {16, 64};
 
 // The widest angle between directions that follow each other around the turn.
 float WidestGap(std::vector<float>* directions) {
@@ -55,7 +53,7 @@ class Rims {
   };
 
   bool IsRim(std::size_t i, Buffers* buffers) const {
-    for (const int neighbors : kNeighbors) {
+    for (const int neighbors : kNearestOthers) {
       points_.index.Nearest(points_.index.points()[i], neighbors, &buffers->nearest);
       FindDirections(i, buffers);
       if (WidestGap(&buffers->directions) <= kWidestGap) return false;
@@ -98,7 +96,7 @@ std::vector<char> FindRims(const RimOptions& options, const PointCloud& cloud) {
   options.Check();
   std::vector<char> marks(cloud.size(), 0);
   const Rims rims(options.radius_px, cloud);
-  ParallelForRange(0, rims.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, rims.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     Rims::Buffers buffers;
     for (std::size_t i = first; i < last; ++i) marks[rims.Row(i)] = rims.IsRim(i, &buffers) ? 1 : 0;
   });

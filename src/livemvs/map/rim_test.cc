@@ -13,16 +13,16 @@
 namespace livemvs {
 namespace {
 
-constexpr float kPixel = 0.01F;
+constexpr float kRimPixel = 0.01F;
 constexpr double kThird = 2 * std::numbers::pi / 3;
 
 // Seen from +z.
-Point At(float x, float y, float z = 0) {
+Point FlatPoint(float x, float y, float z = 0) {
   Point p;
   p.position = {x, y, z};
   p.normal = {0, 0, 1};
-  p.sigma = 0.1F * kPixel;
-  p.footprint = kPixel;
+  p.sigma = 0.1F * kRimPixel;
+  p.footprint = kRimPixel;
   return p;
 }
 
@@ -31,8 +31,8 @@ PointCloud Towards(float angle, float distance_px = 1) {
   const float turn = angle * std::numbers::pi_v<float> / 180;
   PointCloud cloud;
   for (const float far : {0.99F, 1.0F, 1.01F}) {
-    const float distance = far * distance_px * kPixel;
-    cloud.push_back(At(distance * std::cos(turn), distance * std::sin(turn)));
+    const float distance = far * distance_px * kRimPixel;
+    cloud.push_back(FlatPoint(distance * std::cos(turn), distance * std::sin(turn)));
   }
   return cloud;
 }
@@ -45,7 +45,7 @@ void Add(const PointCloud& more, PointCloud* cloud) {
 PointCloud Around(std::initializer_list<float> angles, float distance_px = 1) {
   PointCloud cloud;
   for (const float angle : angles) Add(Towards(angle, distance_px), &cloud);
-  cloud.push_back(At(0, 0));
+  cloud.push_back(FlatPoint(0, 0));
   return cloud;
 }
 
@@ -69,21 +69,21 @@ TEST(FindRims, WhereTooFewAreNearAPointIsNone) {
   EXPECT_FALSE(LastIsRim(cloud, 4.5F));
   cloud.erase(cloud.begin(), cloud.begin() + 2);
   EXPECT_FALSE(LastIsRim(cloud, 5));
-  EXPECT_EQ(FindRims({}, {At(0, 0)}), std::vector<char>(1, 0));
+  EXPECT_EQ(FindRims({}, {FlatPoint(0, 0)}), std::vector<char>(1, 0));
 }
 
 TEST(FindRims, OfASheetTheOutermostRowGoes) {
-  constexpr int kSide = 12;
+  constexpr int kFlatSide = 12;
   PointCloud cloud;
-  for (int i = 0; i < kSide * kSide; ++i) {
-    cloud.push_back(
-        At(kPixel * static_cast<float>(i % kSide), kPixel * static_cast<float>(i / kSide)));
+  for (int i = 0; i < kFlatSide * kFlatSide; ++i) {
+    cloud.push_back(FlatPoint(kRimPixel * static_cast<float>(i % kFlatSide),
+                              kRimPixel * static_cast<float>(i / kFlatSide)));
   }
   // Neighbours reach to the next row: inside of a row they lie all around.
   const std::vector<char> rims = FindRims({.radius_px = 1.5F}, cloud);
-  for (int i = 0; i < kSide * kSide; ++i) {
-    const int x = i % kSide, y = i / kSide;
-    const bool outermost = x == 0 || y == 0 || x == kSide - 1 || y == kSide - 1;
+  for (int i = 0; i < kFlatSide * kFlatSide; ++i) {
+    const int x = i % kFlatSide, y = i / kFlatSide;
+    const bool outermost = x == 0 || y == 0 || x == kFlatSide - 1 || y == kFlatSide - 1;
     EXPECT_EQ(rims[i] != 0, outermost) << x << ' ' << y;
   }
 }
@@ -94,13 +94,13 @@ TEST(FindRims, WhatLiesFarBehindIsAnotherSurface) {
   const auto move = [&](float z) {
     for (int i = 0; i < 3; ++i) cloud[i].position.z() = z;
   };
-  move(-3 * kPixel);
+  move(-3 * kRimPixel);
   EXPECT_TRUE(LastIsRim(cloud));
   // A slope of up to two is a surface, though; and so is what both may be wrong by.
-  move(-1.9F * kPixel);
+  move(-1.9F * kRimPixel);
   EXPECT_FALSE(LastIsRim(cloud));
-  move(-3 * kPixel);
-  for (int i = 0; i < 3; ++i) cloud[i].sigma = kPixel;
+  move(-3 * kRimPixel);
+  for (int i = 0; i < 3; ++i) cloud[i].sigma = kRimPixel;
   EXPECT_FALSE(LastIsRim(cloud));
 }
 
@@ -109,13 +109,13 @@ TEST(FindRims, WhereManyAreNearThoseFarAwayDoNotCount) {
   PointCloud cloud = Around({0, 119, 238, 300}, 20);
   cloud.pop_back();
   for (const float angle : {0.0F, 30.0F, 60.0F}) Add(Towards(angle), &cloud);
-  cloud.push_back(At(0, 0));
+  cloud.push_back(FlatPoint(0, 0));
   EXPECT_TRUE(LastIsRim(cloud));
   EXPECT_FALSE(LastIsRim(cloud, 21));
   // With three near it, five of the others are among the nearest eight.
   PointCloud three = Towards(0);
   for (const float angle : {100.0F, 200.0F, 260.0F}) Add(Towards(angle, 20), &three);
-  three.push_back(At(0, 0));
+  three.push_back(FlatPoint(0, 0));
   EXPECT_FALSE(LastIsRim(three));
 }
 
@@ -123,12 +123,12 @@ TEST(FindRims, RadiusIsInPixelsOfTheFinestLevel) {
   PointCloud cloud = Around({0, 90, 180, 270}, 5);
   cloud.pop_back();
   for (const float angle : {0.0F, 15.0F, 30.0F}) Add(Towards(angle), &cloud);
-  cloud.push_back(At(0, 0));
+  cloud.push_back(FlatPoint(0, 0));
   EXPECT_FALSE(LastIsRim(cloud, 6));
   // Its pixels are as wide, but of a level whose pixels are four of the finest.
   cloud.back().level = 2;
   EXPECT_TRUE(LastIsRim(cloud, 6));
-  cloud.back().footprint = 4 * kPixel;
+  cloud.back().footprint = 4 * kRimPixel;
   EXPECT_FALSE(LastIsRim(cloud, 6));
 }
 
@@ -147,11 +147,11 @@ TEST(FindRims, IsTheReference) {
     std::uniform_real_distribution<float> unit(-1, 1);
     PointCloud cloud;
     for (int i = 0; i < 65; ++i) {  // no more than are looked at
-      const float x = 8 * kPixel * unit(random), y = 8 * kPixel * unit(random);
-      Point p = At(x, y, i % 3 != 0 ? 0 : 3 * x);
+      const float x = 8 * kRimPixel * unit(random), y = 8 * kRimPixel * unit(random);
+      Point p = FlatPoint(x, y, i % 3 != 0 ? 0 : 3 * x);
       p.normal = Eigen::Vector3f(0.3F * unit(random), 0.3F * unit(random), 1).normalized();
       p.level = static_cast<std::uint8_t>(random() % 3);
-      p.footprint = std::ldexp(kPixel, p.level);
+      p.footprint = std::ldexp(kRimPixel, p.level);
       cloud.push_back(p);
     }
     cloud.pop_back();

@@ -14,9 +14,7 @@ namespace {
 constexpr float kFiner = 1 / 1.5F;
 
 // Neighbours that are looked at: where finer points are dense, one of them is among these.
-constexpr int kNeighbors = 8;
-
-constexpr std::size_t kGrain = 1024;
+constexpr int kNearby = 8;
 
 }  // namespace
 
@@ -31,13 +29,13 @@ std::vector<char> FindSuperseded(const std::optional<Box>& box, const PointCloud
   float finest = std::numeric_limits<float>::infinity();
   for (const std::size_t row : rows) finest = std::min(finest, cloud[row].footprint);
   std::vector<char> superseded(cloud.size(), 0);
-  ParallelForRange(0, index.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  ParallelForRange(0, index.size(), kPointsAtATime, [&](std::size_t first, std::size_t last) {
     std::vector<PointIndex::Neighbor> neighbors;
     for (std::size_t i = first; i < last; ++i) {
       const Point& coarse = cloud[rows[i]];
       const float footprint = coarse.footprint;
       if (!(footprint * kFiner > finest)) continue;
-      index.Nearest(index.points()[i], kNeighbors, &neighbors);
+      index.Nearest(index.points()[i], kNearby, &neighbors);
       for (const PointIndex::Neighbor& n : neighbors) {
         if (n.distance2 > footprint * footprint) break;
         const Point& fine = cloud[rows[n.index]];

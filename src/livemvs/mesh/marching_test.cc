@@ -60,11 +60,11 @@ TEST(March, EveryFieldGivesASoundSurface) {
 
 TEST(March, SphereLiesWhereItsZerosAre) {
   constexpr int kSide = 40;
-  constexpr double kRadius = 13.3;
+  constexpr double kBallRadius = 13.3;
   const Eigen::Vector3d center = Eigen::Vector3d::Constant(kSide / 2.0 + 0.2);
   const SurfaceField field = MakeField(kSide, [&](const Voxel& v) {
     return static_cast<float>((v.cast<double>().array() + 0.5 - center.array()).matrix().norm() -
-                              kRadius);
+                              kBallRadius);
   });
   const TriangleMesh mesh = MarchField(field, {});
   ExpectSound(mesh);
@@ -73,13 +73,13 @@ TEST(March, SphereLiesWhereItsZerosAre) {
   EXPECT_EQ(components, 1u);
   double worst = 0;
   for (const Eigen::Vector3f& v : mesh.vertices) {
-    worst = std::max(worst, std::abs((v.cast<double>() * kSide - center).norm() - kRadius));
+    worst = std::max(worst, std::abs((v.cast<double>() * kSide - center).norm() - kBallRadius));
   }
   EXPECT_LT(worst, 0.06);  // voxels: the ends of lines are kept free, and fans have a middle
   constexpr double kPi = 3.14159265358979;
   EXPECT_NEAR(SignedVolume(mesh) / 6 * std::pow(kSide, 3),
-              4.0 / 3 * kPi * std::pow(kRadius, 3),
-              0.01 * 4.0 / 3 * kPi * std::pow(kRadius, 3));
+              4.0 / 3 * kPi * std::pow(kBallRadius, 3),
+              0.01 * 4.0 / 3 * kPi * std::pow(kBallRadius, 3));
   // Euler: a sphere.
   EXPECT_EQ(static_cast<long>(mesh.vertices.size()) - static_cast<long>(mesh.faces.size()) / 2, 2);
 }

@@ -15,7 +15,7 @@ using Keys = std::vector<VoxelBlocks::Key>;
 
 /// Voxels between the points and the sides of the box, at least: of the finest level and of the
 /// coarsest, whose surface must find room behind the points.
-constexpr double kMargin = 10, kCoarseMargin = 4;
+constexpr double kFineMargin = 10, kCoarseMargin = 4;
 /// The coarsest level has no more voxels than this, ...
 constexpr double kMostCoarseVoxels = 600'000;
 constexpr std::size_t kMostLevels = 21;
@@ -36,7 +36,7 @@ std::vector<VoxelFrame> MakeFrames(const SightLines& sights, double h) {
   std::size_t levels = 1;
   double scale = 1;
   const auto extent_of = [&](double coarsest) -> Eigen::Array3d {
-    return (hi - lo).array() / h + 2 * std::max(kMargin, kCoarseMargin * coarsest) + 1;
+    return (hi - lo).array() / h + 2 * std::max(kFineMargin, kCoarseMargin * coarsest) + 1;
   };
   while (levels < kMostLevels && (extent_of(scale) / scale).ceil().prod() > kMostCoarseVoxels) {
     ++levels;

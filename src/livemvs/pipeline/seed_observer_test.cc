@@ -16,7 +16,7 @@ using testing_support::PlaneScene;
 using testing_support::SidewaysPath;
 using testing_support::TestOptions;
 
-constexpr int kFrames = 30;
+constexpr int kObservedFrames = 30;
 
 class Recorder : public SeedObserver {
  public:
@@ -31,7 +31,7 @@ class Recorder : public SeedObserver {
   std::vector<SeedRecord> records;
 };
 
-SceneRange NearFar() {
+SceneRange ObservedRange() {
   SceneRange range;
   range.near = 0.6;
   range.far = 1.8;
@@ -40,7 +40,7 @@ SceneRange NearFar() {
 
 // Frames whose indices are not 0, 1, ...: 100, 107, ...
 std::vector<PosedFrame> Frames(const PlaneScene& scene) {
-  std::vector<PosedFrame> frames = scene.Render(SidewaysPath(kFrames));
+  std::vector<PosedFrame> frames = scene.Render(SidewaysPath(kObservedFrames));
   for (PosedFrame& frame : frames) frame.index = 100 + 7 * frame.index;
   return frames;
 }
@@ -50,7 +50,7 @@ TEST(SeedObserver, HearsOfEverySeedOnce) {
   options.max_age = 22;
   options.max_unseen = 3;
   Recorder recorder;
-  Reconstructor reconstructor(options, NearFar());
+  Reconstructor reconstructor(options, ObservedRange());
   reconstructor.SetObserver(&recorder);
   for (const PosedFrame& frame : Frames(PlaneScene())) reconstructor.AddFrame(frame);
   const ReconstructionStatistics& s = reconstructor.statistics();
@@ -68,7 +68,7 @@ TEST(SeedObserver, HearsOfEverySeedOnce) {
   for (const SeedRecord& r : recorder.records) {
     EXPECT_EQ((r.birth_frame - 100) % 7, 0);
     EXPECT_GE(r.birth_frame, 100);
-    EXPECT_LE(r.end_frame, 100 + 7 * (kFrames - 1));
+    EXPECT_LE(r.end_frame, 100 + 7 * (kObservedFrames - 1));
     EXPECT_GE(r.end_frame, r.birth_frame);
   }
 }
@@ -82,7 +82,7 @@ TEST_P(SeedObserverWithLens, RecordsLeadBackToPixelAndPoint) {
   if (GetParam() == CameraModel::kKannalaBrandt) scene.camera.distortion = {0.03, -0.01};
   const std::vector<PosedFrame> frames = Frames(scene);
   Recorder recorder;
-  Reconstructor reconstructor(TestOptions(), NearFar());
+  Reconstructor reconstructor(TestOptions(), ObservedRange());
   reconstructor.SetObserver(&recorder);
   for (const PosedFrame& frame : frames) reconstructor.AddFrame(frame);
   const Projector projector(scene.camera);
@@ -117,7 +117,7 @@ TEST(SeedObserver, RecordsOfCoarseSeedsLeadBackToThePoint) {
   Options options = TestOptions();
   options.levels = 3;
   Recorder recorder;
-  Reconstructor reconstructor(options, NearFar());
+  Reconstructor reconstructor(options, ObservedRange());
   reconstructor.SetObserver(&recorder);
   for (const PosedFrame& frame : frames) reconstructor.AddFrame(frame);
   const Projector projector(scene.camera);
@@ -141,7 +141,7 @@ TEST(SeedObserver, RecordsOfCoarseSeedsLeadBackToThePoint) {
 TEST(SeedObserver, ChangesNothing) {
   const std::vector<PosedFrame> frames = Frames(PlaneScene());
   Recorder recorder;
-  Reconstructor watched(TestOptions(), NearFar()), alone(TestOptions(), NearFar());
+  Reconstructor watched(TestOptions(), ObservedRange()), alone(TestOptions(), ObservedRange());
   watched.SetObserver(&recorder);
   for (const PosedFrame& frame : frames) {
     watched.AddFrame(frame);

@@ -9,7 +9,7 @@ namespace livemvs {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kSlice{100};
+constexpr std::chrono::milliseconds kCaptureSlice{100};
 
 }  // namespace
 
@@ -120,7 +120,7 @@ void TrackingStage::Run() {
   try {
     bool open = true;
     while (open && !stop_) {
-      CaptureQueue::Item item = capture_.Next(kSlice);
+      CaptureQueue::Item item = capture_.Next(kCaptureSlice);
       switch (item.event) {
         case CaptureQueue::Event::kFrame:
           if (std::exchange(lost_, false)) Tell("pictures come again", false);

@@ -15,8 +15,6 @@ using Eigen::Vector2f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr float kTwoPi = 2.f * std::numbers::pi_v<float>;
-
 Material Cover(const char* name, std::uint32_t cloth, std::uint32_t ink, float letter) {
   return {.name = name,
           .texture = Texture::kText,

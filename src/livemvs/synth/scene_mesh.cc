@@ -3,15 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace livemvs::synth {
 namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-
-constexpr float kTwoPi = 2.f * std::numbers::pi_v<float>;
 
 // The angle of a fraction of a turn; the same at 0 and 1, so that surfaces close without a crack.
 float Turn(float u) { return kTwoPi * (u - std::floor(u)); }

@@ -3,11 +3,14 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "livemvs/core/pose.h"
 
 namespace livemvs::synth {
+
+inline constexpr float kTwoPi = 2.f * std::numbers::pi_v<float>;
 
 /// Triangles with what shading needs. Columns of equal length per vertex and per face.
 struct SceneMesh {

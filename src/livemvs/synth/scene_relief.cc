@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "livemvs/synth/noise.h"
 #include "livemvs/synth/scene_builders.h"
@@ -12,8 +11,6 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-
-constexpr float kTwoPi = 2.f * std::numbers::pi_v<float>;
 
 }  // namespace
 

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-const SyntheticScene& Table() {
+const SyntheticScene& StillLife() {
   static const SyntheticScene scene({.name = "table"});
   return scene;
 }
@@ -26,8 +26,8 @@ TEST(Scene, RaysMeetTheBallWhereAlgebraSays) {
   for (const Vector3d& from : {Vector3d(0.1, -0.5, 0.4), Vector3d(-0.2, -0.4, 0.3)}) {
     const Vector3d direction = (center - from).normalized();
     SyntheticScene::Hit hit;
-    ASSERT_TRUE(Table().Intersect(from, direction, &hit));
-    EXPECT_EQ(Table().materials()[Table().MaterialOf(hit.face)].name, "ball");
+    ASSERT_TRUE(StillLife().Intersect(from, direction, &hit));
+    EXPECT_EQ(StillLife().materials()[StillLife().MaterialOf(hit.face)].name, "ball");
     // Facets lie within the ball by the sagitta of a 96th of a turn: 0.02 mm.
     EXPECT_NEAR(hit.distance, (center - from).norm() - 0.034, 5e-5);
   }
@@ -54,13 +54,13 @@ TEST(Scene, FacesPointOutward) {
 TEST(Scene, ShadowsAreDarkerThanTheOpenTable) {
   const auto brightness = [](double x, double y) {
     SyntheticScene::Hit hit;
-    EXPECT_TRUE(Table().Intersect({x, y, 1.0}, {0, 0, -1}, &hit));
+    EXPECT_TRUE(StillLife().Intersect({x, y, 1.0}, {0, 0, -1}, &hit));
     double sum = 0;
     // The mean over a patch, because the texture varies.
     for (int i = 0; i < 400; ++i) {
       const double dx = 0.0004 * (i % 20 - 10), dy = 0.0004 * (i / 20 - 10);
-      if (Table().Intersect({x + dx, y + dy, 1.0}, {0, 0, -1}, &hit)) {
-        sum += Table().Radiance(hit, -Vector3f::UnitZ(), 0.001f).mean();
+      if (StillLife().Intersect({x + dx, y + dy, 1.0}, {0, 0, -1}, &hit)) {
+        sum += StillLife().Radiance(hit, -Vector3f::UnitZ(), 0.001f).mean();
       }
     }
     return sum;
@@ -74,8 +74,8 @@ TEST(Scene, FinerPixelsShowFinerTexture) {
     SyntheticScene::Hit hit;
     double sum = 0, last = 0;
     for (int i = 0; i < 1000; ++i) {
-      EXPECT_TRUE(Table().Intersect({-0.3 + 1e-4 * i, -0.3, 1.0}, {0, 0, -1}, &hit));
-      const double value = Table().Radiance(hit, -Vector3f::UnitZ(), footprint).mean();
+      EXPECT_TRUE(StillLife().Intersect({-0.3 + 1e-4 * i, -0.3, 1.0}, {0, 0, -1}, &hit));
+      const double value = StillLife().Radiance(hit, -Vector3f::UnitZ(), footprint).mean();
       if (i > 0) sum += std::abs(value - last);
       last = value;
     }
@@ -120,7 +120,7 @@ TEST(Scene, APolishedTopMirrorsTheSky) {
 }
 
 TEST(Scene, MeshMatchesTheRays) {
-  const TriangleMesh mesh = Table().mesh();
+  const TriangleMesh mesh = StillLife().mesh();
   ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
   for (const auto& face : mesh.faces) {
     ASSERT_GE(face.minCoeff(), 0);
@@ -128,7 +128,7 @@ TEST(Scene, MeshMatchesTheRays) {
   }
   SyntheticScene::Hit hit;
   const Vector3d from(0.3, -0.4, 0.5), direction(-0.25, 0.45, -0.45);
-  ASSERT_TRUE(Table().Intersect(from, direction, &hit));
+  ASSERT_TRUE(StillLife().Intersect(from, direction, &hit));
   const auto corner = [&](int k) {
     return Vector3d(mesh.vertices[mesh.faces[hit.face][k]].cast<double>());
   };
@@ -147,16 +147,16 @@ TEST(Scene, SeedChangesTheTextureAndNotTheShape) {
 
 TEST(Scene, HasHardMaterialsAndObjectsInItsBox) {
   bool textureless = false, repetitive = false;
-  for (const auto& material : Table().materials()) {
+  for (const auto& material : StillLife().materials()) {
     textureless |= material.textureless;
     repetitive |= material.repetitive;
   }
   EXPECT_TRUE(textureless);
   EXPECT_TRUE(repetitive);
   SyntheticScene::Hit hit;
-  ASSERT_TRUE(Table().Intersect({0.02, 0.082, 1}, {0.01, 0, -1}, &hit));
+  ASSERT_TRUE(StillLife().Intersect({0.02, 0.082, 1}, {0.01, 0, -1}, &hit));
   EXPECT_TRUE(
-      Table().box().Contains(Vector3d(0.02, 0.082, 1) + hit.distance * Vector3d(0.01, 0, -1)));
+      StillLife().box().Contains(Vector3d(0.02, 0.082, 1) + hit.distance * Vector3d(0.01, 0, -1)));
 }
 
 TEST(Scene, UnknownNameIsRejected) {

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "livemvs/synth/noise.h"
 #include "livemvs/synth/printed_sheet.h"
@@ -14,8 +13,6 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-
-constexpr float kTwoPi = 2.f * std::numbers::pi_v<float>;
 
 // A ring whose thickness varies.
 void AddRing(SceneWriter& writer, float ring_radius, float tube_radius) {
@@ -117,7 +114,7 @@ void AddHouse(SceneWriter& writer, const Vector3f& size) {
 }
 
 // The smaller half of the still life.
-void AddSmallThings(SceneWriter& writer) {
+void AddSmallerHalf(SceneWriter& writer) {
   writer.Place(-0.012, -0.028, 0, 30);
   writer.Use({.name = "ball",
               .texture = Texture::kMarble,
@@ -192,7 +189,7 @@ void AddStillLife(SceneWriter& writer) {
               .contrast = 0.35f});
   writer->AddBox({-0.036f, -0.026f, 0.f}, {0.036f, 0.026f, 0.098f});
 
-  AddSmallThings(writer);
+  AddSmallerHalf(writer);
 }
 
 void DescribeTable(SceneWriter& writer, SceneDescription* scene) {

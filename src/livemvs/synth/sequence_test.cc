@@ -7,7 +7,7 @@
 namespace livemvs {
 namespace {
 
-SequenceOptions Small() {
+SequenceOptions SmallFilm() {
   SequenceOptions options;
   options.path = DefaultPath("plane");
   options.path.frames = 4;
@@ -26,7 +26,7 @@ double MeanGrey(const SyntheticFrame& frame) {
 
 TEST(Sequence, FramesCarryPosesTimesAndTruth) {
   const SyntheticScene scene({.name = "plane"});
-  const SequenceOptions options = Small();
+  const SequenceOptions options = SmallFilm();
   const auto poses = MakePath(options.path);
   const auto frames = RenderSequence(scene, options);
   ASSERT_EQ(frames.size(), 4u);
@@ -42,7 +42,7 @@ TEST(Sequence, FramesCarryPosesTimesAndTruth) {
 
 TEST(Sequence, DepthDoesNotDependOnBlurNoiseOrExposure) {
   const SyntheticScene scene({.name = "plane"});
-  SequenceOptions options = Small();
+  SequenceOptions options = SmallFilm();
   const SyntheticFrame plain = RenderSequenceFrame(scene, options, 2);
   options.blur = 0.5;
   options.noise_sigma = 2;
@@ -55,7 +55,7 @@ TEST(Sequence, DepthDoesNotDependOnBlurNoiseOrExposure) {
 
 TEST(Sequence, ExposureComesAndGoes) {
   const SyntheticScene scene({.name = "plane"});
-  SequenceOptions options = Small();
+  SequenceOptions options = SmallFilm();
   options.path.frames = 120;
   options.path.arc_deg = 0;
   options.path.wobble = 0;
@@ -66,10 +66,10 @@ TEST(Sequence, ExposureComesAndGoes) {
 
 TEST(Sequence, RejectsNonsense) {
   const SyntheticScene scene({.name = "plane"});
-  SequenceOptions options = Small();
+  SequenceOptions options = SmallFilm();
   options.blur = 2;
   EXPECT_THROW(RenderSequence(scene, options), std::invalid_argument);
-  options = Small();
+  options = SmallFilm();
   options.path.frames = -3;
   EXPECT_THROW(RenderSequence(scene, options), std::invalid_argument);
 }

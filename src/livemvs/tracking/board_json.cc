@@ -152,7 +152,7 @@ Board Interpret(const json& root, const std::filesystem::path& file) {
   return board;
 }
 
-std::string Number(double value) { return json(value).dump(); }
+std::string Exact(double value) { return json(value).dump(); }
 
 // A list of lists, one of them a line.
 std::string Rows(const char* name, const std::vector<std::string>& rows) {
@@ -176,8 +176,8 @@ void WriteBoard(const std::filesystem::path& file, const Board& board) {
   board.Check();
   std::vector<std::string> corners, markers;
   for (const BoardCorner& c : CornersOf(board)) {
-    corners.push_back(std::to_string(c.id) + ", " + Number(c.point.x()) + ", " +
-                      Number(c.point.y()) + ", 0.0");
+    corners.push_back(std::to_string(c.id) + ", " + Exact(c.point.x()) + ", " + Exact(c.point.y()) +
+                      ", 0.0");
   }
   for (const BoardMarker& m : MarkersOf(board)) {
     markers.push_back(std::to_string(m.id) + ", " + std::to_string(m.column) + ", " +
@@ -188,8 +188,8 @@ void WriteBoard(const std::filesystem::path& file, const Board& board) {
   text += "  \"first_id\": " + std::to_string(board.first_id) + ",\n";
   text += "  \"squares\": [" + std::to_string(board.columns) + ", " + std::to_string(board.rows) +
           "],\n";
-  text += "  \"square_m\": " + Number(board.square) + ",\n";
-  text += "  \"marker_m\": " + Number(board.marker) + ",\n";
+  text += "  \"square_m\": " + Exact(board.square) + ",\n";
+  text += "  \"marker_m\": " + Exact(board.marker) + ",\n";
   text += std::string("  \"top_left\": \"") + (board.top_left_black ? "black" : "white") + "\",\n";
   if (board.plain) {
     const PlainArea& p = *board.plain;

@@ -1,10 +1,10 @@
 #include "livemvs/tracking/board_sheet.h"
 
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <vector>
 
+#include "livemvs/core/format_text.h"
 #include "livemvs/io/atomic_file.h"
 #include "livemvs/tracking/sheet_layout.h"
 
@@ -12,13 +12,6 @@ namespace livemvs {
 namespace {
 
 constexpr double kPoints = 72 / 0.0254;  // per metre
-
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  char text[300];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 // The page's drawing in PDF's language: points from the lower left corner, y up.
 std::string Content(const SheetLayout& layout, double page_height) {
@@ -28,20 +21,20 @@ std::string Content(const SheetLayout& layout, double page_height) {
     content += layer.white ? "1 g\n" : "0 g\n";
     // One path for all of a layer, so that no seams show between neighbours.
     for (const SheetLayout::Rect& r : layer.rects) {
-      content += Format("%.5f %.5f %.5f %.5f re\n",
-                        r.x * kPoints,
-                        (page_height - r.y - r.height) * kPoints,
-                        r.width * kPoints,
-                        r.height * kPoints);
+      content += FormatText("%.5f %.5f %.5f %.5f re\n",
+                            r.x * kPoints,
+                            (page_height - r.y - r.height) * kPoints,
+                            r.width * kPoints,
+                            r.height * kPoints);
     }
     content += "f\n";
   }
   content += "0 g\n";
   for (const SheetLayout::Text& t : layout.texts) {
-    content += Format("BT /F1 %.3f Tf %.3f %.3f Td (",
-                      t.size * kPoints,
-                      t.x * kPoints,
-                      (page_height - t.y) * kPoints);
+    content += FormatText("BT /F1 %.3f Tf %.3f %.3f Td (",
+                          t.size * kPoints,
+                          t.x * kPoints,
+                          (page_height - t.y) * kPoints);
     for (const char c : t.words) {
       if (c == '(' || c == ')' || c == '\\') content += '\\';
       content += c;
@@ -59,23 +52,24 @@ void WriteSheetPdf(const std::filesystem::path& path, const Board& board, const 
   const std::vector<std::string> objects = {
       "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
       "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      Format("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 %.4f %.4f] /Contents 4 0 R /Resources << "
-             "/Font << /F1 5 0 R >> >> >>",
-             page.width * kPoints,
-             page.height * kPoints),
+      FormatText(
+          "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 %.4f %.4f] /Contents 4 0 R /Resources << "
+          "/Font << /F1 5 0 R >> >> >>",
+          page.width * kPoints,
+          page.height * kPoints),
       "<< /Length " + std::to_string(content.size()) + " >>\nstream\n" + content + "endstream",
       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>"};
   std::string pdf = "%PDF-1.6\n";
   std::string table =
-      Format("xref\n0 %d\n0000000000 65535 f \n", static_cast<int>(objects.size()) + 1);
+      FormatText("xref\n0 %d\n0000000000 65535 f \n", static_cast<int>(objects.size()) + 1);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    table += Format("%010zu 00000 n \n", pdf.size());
+    table += FormatText("%010zu 00000 n \n", pdf.size());
     pdf += std::to_string(i + 1) + " 0 obj\n" + objects[i] + "\nendobj\n";
   }
   const std::size_t start = pdf.size();
-  pdf += table + Format("trailer\n<< /Size %d /Root 1 0 R >>\nstartxref\n%zu\n%%%%EOF\n",
-                        static_cast<int>(objects.size()) + 1,
-                        start);
+  pdf += table + FormatText("trailer\n<< /Size %d /Root 1 0 R >>\nstartxref\n%zu\n%%%%EOF\n",
+                            static_cast<int>(objects.size()) + 1,
+                            start);
   AtomicFile file(path);
   file.Write(pdf);
   file.Commit();

@@ -13,7 +13,7 @@
 namespace livemvs {
 namespace {
 
-void Require(bool good, const char* what) {
+void RequireSetting(bool good, const char* what) {
   if (!good) throw std::invalid_argument(std::string("tracker: ") + what);
 }
 
@@ -45,7 +45,7 @@ class BoardTracker : public PoseSource {
 
  private:
   void TakeSize(const Picture& picture) {
-    Require(!picture.grey.empty(), "the picture is empty");
+    RequireSetting(!picture.grey.empty(), "the picture is empty");
     if (camera_.width == 0) {
       camera_.width = picture.width();
       camera_.height = picture.height();
@@ -123,12 +123,12 @@ class BoardTracker : public PoseSource {
 }  // namespace
 
 void TrackerOptions::Check() const {
-  Require(min_corners >= 4, "min_corners must be at least 4");
-  Require(max_rms_px > 0 && max_rms_px <= 10, "max_rms_px must be above 0, at most 10");
-  Require(max_sigma_px > 0, "max_sigma_px must be positive");
-  Require(max_motion_px >= 1 && max_motion_px <= 1000, "max_motion_px must be 1 to 1000");
-  Require(max_gap_seconds > 0, "max_gap_seconds must be positive");
-  Require(detect_width >= 160, "detect_width must be at least 160");
+  RequireSetting(min_corners >= 4, "min_corners must be at least 4");
+  RequireSetting(max_rms_px > 0 && max_rms_px <= 10, "max_rms_px must be above 0, at most 10");
+  RequireSetting(max_sigma_px > 0, "max_sigma_px must be positive");
+  RequireSetting(max_motion_px >= 1 && max_motion_px <= 1000, "max_motion_px must be 1 to 1000");
+  RequireSetting(max_gap_seconds > 0, "max_gap_seconds must be positive");
+  RequireSetting(detect_width >= 160, "detect_width must be at least 160");
 }
 
 std::unique_ptr<PoseSource> MakeBoardTracker(const Board& board,

@@ -181,7 +181,7 @@ class Adjuster {
       n->cost += kBehind;
       return;
     }
-    const Projection projection = ProjectWithDerivatives(s.camera, p, true);
+    const PointProjection projection = ProjectWithDerivatives(s.camera, p, true);
     const Eigen::Vector2d r = projection.pixel - o.pixel;
     const double inverse = 1 / std::pow(Sigma(o), 2), chi2 = r.squaredNorm() * inverse;
     const double scale2 = robust_scale * robust_scale;

@@ -102,7 +102,7 @@ TEST_P(ProjectionModels, DerivativesAreThoseOfDifferences) {
   constexpr double kStep = 1e-6, kTolerance = 2e-3;
   for (const Eigen::Vector3d& p :
        {Eigen::Vector3d(0.1, -0.05, 0.4), Eigen::Vector3d(-0.2, 0.15, 0.6)}) {
-    const Projection at = ProjectWithDerivatives(camera, p, true);
+    const PointProjection at = ProjectWithDerivatives(camera, p, true);
     EXPECT_LT((at.pixel - Projector(camera).Project(p).value()).norm(), 1e-9);
     const int count = camera.model == CameraModel::kPinhole         ? 4
                       : camera.model == CameraModel::kKannalaBrandt ? 8

@@ -3,10 +3,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 
+#include "livemvs/core/format_text.h"
 #include "livemvs/tracking/corner_search.h"
 
 namespace livemvs {
@@ -19,32 +19,25 @@ constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 // differences between views matter.
 constexpr double kOutline = 0.1;
 
-void Require(bool good, const char* what) {
+void RequireOption(bool good, const char* what) {
   if (!good) throw std::invalid_argument(std::string("calibration: ") + what);
-}
-
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  char text[300];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
 }
 
 }  // namespace
 
 void CalibratorOptions::Check() const {
-  Require(distortion_terms == 0 || distortion_terms == 2 || distortion_terms == 4 ||
-              distortion_terms == 5,
-          "distortion_terms must be 0, 2, 4 or 5");
-  Require(min_views >= 3, "min_views must be at least 3");
-  Require(max_views >= min_views && max_views <= 500, "max_views must be min_views to 500");
-  Require(min_corners >= 6, "min_corners must be at least 6");
+  RequireOption(distortion_terms == 0 || distortion_terms == 2 || distortion_terms == 4 ||
+                    distortion_terms == 5,
+                "distortion_terms must be 0, 2, 4 or 5");
+  RequireOption(min_views >= 3, "min_views must be at least 3");
+  RequireOption(max_views >= min_views && max_views <= 500, "max_views must be min_views to 500");
+  RequireOption(min_corners >= 6, "min_corners must be at least 6");
 }
 
 Calibrator::Calibrator(int width, int height, const CalibratorOptions& options)
     : width_(width), height_(height), options_(options) {
   options.Check();
-  Require(width > 0 && height > 0, "the picture has no size");
+  RequireOption(width > 0 && height > 0, "the picture has no size");
 }
 
 double Calibrator::Difference(const Outline& a, const Outline& b) const {
@@ -169,7 +162,7 @@ Calibration Calibrator::Solve(const std::optional<Camera>& start) const {
   Calibration out;
   out.views = views();
   out.camera = start ? *start : StartCamera(0.95 * width_);
-  out.problem = Format(
+  out.problem = FormatText(
       "only %d different views of the board, %d are needed: move the camera "
       "around it, tilted to all sides",
       views(),
@@ -228,7 +221,7 @@ void Calibrator::Cover(Calibration* calibration) const {
 
 std::string Calibrator::Judge(const Calibration& c) const {
   if (c.rms_px > options_.max_rms_px) {
-    return Format(
+    return FormatText(
         "the corners are off by %.2f px rms, at most %.2f is good: keep the board flat, "
         "focus and zoom fixed, and move slowly",
         c.rms_px,
@@ -236,14 +229,14 @@ std::string Calibrator::Judge(const Calibration& c) const {
   }
   const double focal_sigma = c.sigma[0] / c.camera.fx;
   if (focal_sigma > options_.max_focal_sigma) {
-    return Format(
+    return FormatText(
         "the focal length is known to %.2f %% only, %.2f %% is needed: film the board "
         "from more directions, tilted by 30 to 60 degrees",
         100 * focal_sigma,
         100 * options_.max_focal_sigma);
   }
   if (c.coverage < options_.min_coverage) {
-    return Format(
+    return FormatText(
         "corners were seen in %.0f %% of the picture only, %.0f %% are needed: bring the "
         "board to its borders, too",
         100 * c.coverage,

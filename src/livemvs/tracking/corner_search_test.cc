@@ -22,7 +22,7 @@ constexpr double kCornerMean = 0.025;
 // What OpenCV 4.6 adds to both coordinates of an interpolated corner [px].
 constexpr double kOpenCvShift = 0.5;
 
-FilmOptions SomeFilm() {
+FilmOptions CornerFilm() {
   FilmOptions film;
   film.camera = SyntheticCamera(960, 720);
   film.path.radius = 0.42;
@@ -64,7 +64,7 @@ std::vector<FoundCorner> FindByMarkers(const FilmOptions& options,
 }
 
 TEST(CornerSearchTest, CornersAreWithinATwentiethOfAPixel) {
-  const FilmOptions options = SomeFilm();
+  const FilmOptions options = CornerFilm();
   const Film film(options);
   const FilmFrame frame = film.Frame(7);
   const Errors e = ErrorsOf(FindByMarkers(options, frame.picture.grey), film, options, 7);
@@ -75,7 +75,7 @@ TEST(CornerSearchTest, CornersAreWithinATwentiethOfAPixel) {
 
 // The trap: what OpenCV 4.6 gives as corners of a ChArUco board is half a pixel off.
 TEST(CornerSearchTest, DoesNotShareTheShiftOfOpenCv) {
-  const FilmOptions options = SomeFilm();
+  const FilmOptions options = CornerFilm();
   const Film film(options);
   const FilmFrame frame = film.Frame(7);
   const Image<std::uint8_t>& grey = frame.picture.grey;
@@ -107,7 +107,7 @@ TEST(CornerSearchTest, DoesNotShareTheShiftOfOpenCv) {
 }
 
 TEST(CornerSearchTest, HiddenCornersAreNotFound) {
-  FilmOptions options = SomeFilm();
+  FilmOptions options = CornerFilm();
   options.hidden = 0.4;
   options.decoys = true;
   const Film film(options);
@@ -126,7 +126,7 @@ TEST(CornerSearchTest, HiddenCornersAreNotFound) {
 }
 
 TEST(CornerSearchTest, FindsNothingInAnEmptyPicture) {
-  const FilmOptions options = SomeFilm();
+  const FilmOptions options = CornerFilm();
   const Film film(options);
   const Image<std::uint8_t> black(960, 720);
   const CornerSearch search(options.board);

@@ -52,7 +52,7 @@ class Solver {
         n.cost += kBehind;
         continue;
       }
-      const Projection projection = ProjectWithDerivatives(camera_, p, false);
+      const PointProjection projection = ProjectWithDerivatives(camera_, p, false);
       const Eigen::Vector2d r = projection.pixel - o.pixel;
       const double inverse = 1 / (Sigma(o) * Sigma(o));
       const double chi2 = r.squaredNorm() * inverse;

@@ -36,12 +36,14 @@ void AddKannalaBrandt(const Camera& c, double x, double y, ByCamera* by) {
 
 }  // namespace
 
-Projection ProjectWithDerivatives(const Camera& c, const Eigen::Vector3d& p, bool with_camera) {
+PointProjection ProjectWithDerivatives(const Camera& c,
+                                       const Eigen::Vector3d& p,
+                                       bool with_camera) {
   const double iz = 1 / p.z(), x = p.x() * iz, y = p.y() * iz;
   const DistortedPoint<double> d = VisitModel(c.model, [&](auto model) {
     return decltype(model)::template Distort<double>(c.distortion.data(), x, y);
   });
-  Projection out;
+  PointProjection out;
   out.pixel = {c.fx * d.x + c.cx, c.fy * d.y + c.cy};
   out.by_point << c.fx * d.xx * iz, c.fx * d.xy * iz, -c.fx * (d.xx * x + d.xy * y) * iz,  //
       c.fy * d.yx * iz, c.fy * d.yy * iz, -c.fy * (d.yx * x + d.yy * y) * iz;
@@ -66,7 +68,7 @@ Rigid3d Moved(const Rigid3d& cam_from_world, const Eigen::Matrix<double, 6, 1>& 
   return {rotation.toRotationMatrix(), turn * cam_from_world.translation + motion.tail<3>()};
 }
 
-Eigen::Matrix<double, 2, 6> ByMotion(const Projection& projection, const Eigen::Vector3d& p) {
+Eigen::Matrix<double, 2, 6> ByMotion(const PointProjection& projection, const Eigen::Vector3d& p) {
   Eigen::Matrix<double, 3, 6> by_motion;
   by_motion << 0, p.z(), -p.y(), 1, 0, 0,  //
       -p.z(), 0, p.x(), 0, 1, 0,           //

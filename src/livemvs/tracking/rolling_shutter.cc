@@ -29,7 +29,7 @@ void RollingShutterWatch::Add(const Camera& camera,
     const Eigen::Vector3d p = pose.cam_from_world * observations[i].point;
     const Eigen::Vector3d before = previous * observations[i].point;
     if (before.z() <= 0) return;
-    const Projection at = ProjectWithDerivatives(camera, p, false);
+    const PointProjection at = ProjectWithDerivatives(camera, p, false);
     const Eigen::Vector2d v = at.pixel - ProjectWithDerivatives(camera, before, false).pixel;
     motion += v.squaredNorm() / pose.inliers;
     by_pose.middleRows<2>(row) = ByMotion(at, p);

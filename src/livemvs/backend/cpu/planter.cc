@@ -18,7 +18,7 @@ std::vector<std::size_t> Planter::Plant(const Planting& planting,
 }
 
 void Planter::MarkKnown(const Planting& planting, const SeedColumns& seeds) {
-  constexpr std::size_t kSeedsPerTask = 2048;
+  constexpr std::size_t kSeedsToMark = 2048;
   for (const SeedGroup& group : planting.groups) {
     const MarkJob job = {options_.coordinate,
                          seeds,
@@ -26,7 +26,7 @@ void Planter::MarkKnown(const Planting& planting, const SeedColumns& seeds) {
                          planting.frame.camera.model,
                          coverage_.marks()[static_cast<std::size_t>(group.level)]};
     ParallelForRange(
-        group.begin, group.end, kSeedsPerTask, [&](std::size_t first, std::size_t last) {
+        group.begin, group.end, kSeedsToMark, [&](std::size_t first, std::size_t last) {
           mark_(job, first, last);
         });
   }
