@@ -9,6 +9,8 @@ target_compile_options(livemvs_settings INTERFACE
   -Wno-missing-field-initializers
   # GCC 12 sees overlapping copies in "text" + std::string (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  # In unity builds it takes the sources for headers, whose types must not hold unnamed namespaces' types.
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
   # Results must not depend on the instruction set: no contraction, no fast-math (docs/algorithm.md).
   -ffp-contract=off -fno-math-errno -fno-trapping-math)
 if(LIVEMVS_WERROR)

@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "seed traces are little-endian");
 
 constexpr std::uint32_t kVersion = 2;
-constexpr int kLevels = 6;  // more than Options::levels allows is damage
+constexpr int kMostLevels = 6;  // more than Options::levels allows is damage
 constexpr std::size_t kMagicSize = sizeof(kSeedTraceMagic) - 1;
 
 struct Header {
@@ -47,7 +47,7 @@ Header MakeHeader(std::uint64_t count) {
 
 // What is wrong with a record, if anything.
 std::optional<std::string> FaultOf(const FileRecord& r) {
-  if (r.level >= kLevels) return "the level is unknown";
+  if (r.level >= kMostLevels) return "the level is unknown";
   if (!std::isfinite(r.x) || !std::isfinite(r.y)) return "the pixel is not finite";
   if (!std::isfinite(r.depth) || r.depth < 0) return "the depth is not a positive number";
   if (!std::isfinite(r.sigma) || r.sigma < 0) return "sigma is not a positive number";

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
 #include <stdexcept>
 
 #include "livemvs/map/point_index.h"
@@ -147,6 +148,31 @@ TEST(PointIndex, AgreesWithBruteForce) {
     for (std::size_t j = 0; j < 70; ++j) ASSERT_NEAR(neighbors[j].distance2, d2[j], 1e-6);
     ASSERT_NEAR(index.NearestDistance(q), std::sqrt(d2[0]), 1e-6);
   }
+}
+
+TEST(PointIndex, VisitsThoseNearUntilTold) {
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<Eigen::Vector3f> points(500);
+  for (auto& p : points) p = {uniform(rng), uniform(rng), uniform(rng)};
+  const PointIndex index(points);
+  const Eigen::Vector3f query(0.1F, -0.2F, 0.3F);
+  constexpr float kRadius = 0.5F;
+  std::set<std::uint32_t> near;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if ((points[i] - query).norm() < kRadius) near.insert(static_cast<std::uint32_t>(i));
+  }
+  ASSERT_GT(near.size(), 10);
+  std::set<std::uint32_t> visited;
+  index.VisitNear(query, kRadius, [&](const PointIndex::Neighbor& n) {
+    EXPECT_FLOAT_EQ(n.distance2, (points[n.index] - query).squaredNorm());
+    EXPECT_TRUE(visited.insert(n.index).second) << "twice: " << n.index;
+    return true;
+  });
+  EXPECT_EQ(visited, near);
+  int calls = 0;
+  index.VisitNear(query, kRadius, [&](const PointIndex::Neighbor&) { return ++calls < 3; });
+  EXPECT_EQ(calls, 3);
 }
 
 TEST(PointIndex, EmptyAndBrokenSets) {

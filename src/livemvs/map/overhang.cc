@@ -18,12 +18,12 @@ namespace {
 // Points that must agree: one may be as wrong as the point itself.
 constexpr int kSupporters = 3;
 
-// Places ahead about which they are sought, each twice as far as the one before, the last at
-// 1 / sqrt(2) of the reach.
+// Places ahead about which they are sought: the first, about which most of those that are there
+// lie, at 1 / sqrt(2) of the reach, each other half as far as the one before.
 constexpr int kPlaces = 5;
 
-// Of each, the nearest of this many are looked at.
-constexpr int kNearPlace = 16;
+// Of each, the nearest of this many are looked at: a few, which are often enough, then all.
+constexpr int kNearPlace[] = {4, 16};
 
 // Most offset sideways of a supporter, in its distance ahead.
 constexpr float kSideways = 0.6F;
@@ -41,14 +41,16 @@ class Supporters {
     const Eigen::Vector3f ahead = -LeanDirection(p.normal, p.lean);
     std::array<std::uint32_t, kSupporters> found{};
     auto end = found.begin();
-    for (int place = kPlaces - 1; place >= 0; --place) {
-      const float distance = std::ldexp(reach / std::numbers::sqrt2_v<float>, -place);
-      centred_.index.Nearest(p.position + distance * ahead, kNearPlace, nearest);
-      for (const PointIndex::Neighbor& n : *nearest) {
-        if (!Agrees(p, ahead, reach, cloud_[centred_.rows[n.index]])) continue;
-        if (std::find(found.begin(), end, n.index) != end) continue;
-        *end++ = n.index;
-        if (end == found.end()) return true;
+    for (const int neighbors : kNearPlace) {
+      for (int place = 0; place < kPlaces; ++place) {
+        const float distance = std::ldexp(reach / std::numbers::sqrt2_v<float>, -place);
+        centred_.index.Nearest(p.position + distance * ahead, neighbors, nearest);
+        for (const PointIndex::Neighbor& n : *nearest) {
+          if (!Agrees(p, ahead, reach, cloud_[centred_.rows[n.index]])) continue;
+          if (std::find(found.begin(), end, n.index) != end) continue;
+          *end++ = n.index;
+          if (end == found.end()) return true;
+        }
       }
     }
     return false;

@@ -28,7 +28,21 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<fl
                                                  PointsAdaptor,
                                                  3,
                                                  std::uint32_t>;
-constexpr std::size_t kLeafSize = 12;
+constexpr std::size_t kLeafSize = 32;
+
+/// What nanoflann calls for the points that it finds.
+struct VisitorSet {
+  using DistanceType = float;
+  using IndexType = std::uint32_t;
+
+  float radius2;
+  bool (*visit)(void* visitor, const PointIndex::Neighbor&);
+  void* visitor;
+
+  float worstDist() const { return radius2; }
+  bool addPoint(float distance2, std::uint32_t index) { return visit(visitor, {index, distance2}); }
+  static constexpr bool full() { return true; }
+};
 
 }  // namespace
 
@@ -84,6 +98,15 @@ void PointIndex::Nearest(const Eigen::Vector3f& query,
       impl_->tree.knnSearch(query.data(), static_cast<std::size_t>(k), indices, distances);
   neighbors->reserve(found);
   for (std::size_t i = 0; i < found; ++i) neighbors->push_back({indices[i], distances[i]});
+}
+
+void PointIndex::VisitNear(const Eigen::Vector3f& query,
+                           float radius,
+                           bool (*visit)(void* visitor, const Neighbor&),
+                           void* visitor) const {
+  if (size() == 0) return;
+  VisitorSet found{radius * radius, visit, visitor};
+  impl_->tree.findNeighbors(found, query.data(), {});
 }
 
 float PointIndex::NearestDistance(const Eigen::Vector3f& query) const {

@@ -34,11 +34,27 @@ class PointIndex {
   /// set finds itself first. `neighbors` is resized; keep it between calls to save allocations.
   void Nearest(const Eigen::Vector3f& query, int k, std::vector<Neighbor>* neighbors) const;
 
+  /// Calls `visit(neighbor)` for the points nearer to `query` than `radius` [scene], in no order
+  /// that means anything, until it returns false.
+  template <typename Visitor>
+  void VisitNear(const Eigen::Vector3f& query, float radius, Visitor visit) const {
+    VisitNear(
+        query,
+        radius,
+        [](void* visitor, const Neighbor& n) { return (*static_cast<Visitor*>(visitor))(n); },
+        &visit);
+  }
+
   /// Distance to the nearest point [scene]; infinite where the set is empty.
   float NearestDistance(const Eigen::Vector3f& query) const;
 
  private:
   struct Impl;
+  void VisitNear(const Eigen::Vector3f& query,
+                 float radius,
+                 bool (*visit)(void* visitor, const Neighbor&),
+                 void* visitor) const;
+
   std::unique_ptr<Impl> impl_;
 };
 

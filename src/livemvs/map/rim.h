@@ -19,10 +19,10 @@ struct RimOptions {
 /// of a surface are those that may lie on none.
 ///
 /// A point is at a rim if, as the camera saw it, others of its surface leave free more than a third
-/// of a turn around it. The others are, of the nearest 64 points, those that may lie on the same
-/// surface, see MayShareSurface(), within radius_px pixels of the finest level, or the nearest
-/// eight where these are fewer. Where not even eight lie within four times as far, points are too
-/// sparse to tell a rim from a gap between them, and it is none.
+/// of a turn around it. The others are those that may lie on the same surface, see
+/// MayShareSurface(), within radius_px pixels of the finest level, or the nearest eight where these
+/// are fewer. Where not even eight are among the nearest 64 points and within four times as far,
+/// points are too sparse to tell a rim from a gap between them, and it is none.
 ///
 /// Differs from [VH11], which takes every seed for itself. Multi-threaded; the result does not
 /// depend on the number of threads.

@@ -139,22 +139,27 @@ TEST(FindRims, PointsInTheSamePlaceSayNothing) {
   EXPECT_TRUE(LastIsRim(cloud));
 }
 
-TEST(FindRims, IsTheReference) {
-  // Points of three levels on two crossing sheets with borders.
+// Points of three levels on two crossing sheets with borders.
+PointCloud CrossingSheets(unsigned seed, int points) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  PointCloud cloud;
+  for (int i = 0; i < points; ++i) {
+    const float x = 8 * kRimPixel * unit(random), y = 8 * kRimPixel * unit(random);
+    Point p = FlatPoint(x, y, i % 3 != 0 ? 0 : 3 * x);
+    p.normal = Eigen::Vector3f(0.3F * unit(random), 0.3F * unit(random), 1).normalized();
+    p.level = static_cast<std::uint8_t>(random() % 3);
+    p.footprint = std::ldexp(kRimPixel, p.level);
+    cloud.push_back(p);
+  }
+  return cloud;
+}
+
+// Of clouds with so many points each.
+void ExpectTheReference(int points, int least_rims, int least_inside) {
   int rims = 0, inside = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> unit(-1, 1);
-    PointCloud cloud;
-    for (int i = 0; i < 65; ++i) {  // no more than are looked at
-      const float x = 8 * kRimPixel * unit(random), y = 8 * kRimPixel * unit(random);
-      Point p = FlatPoint(x, y, i % 3 != 0 ? 0 : 3 * x);
-      p.normal = Eigen::Vector3f(0.3F * unit(random), 0.3F * unit(random), 1).normalized();
-      p.level = static_cast<std::uint8_t>(random() % 3);
-      p.footprint = std::ldexp(kRimPixel, p.level);
-      cloud.push_back(p);
-    }
-    cloud.pop_back();
+    const PointCloud cloud = CrossingSheets(seed, points);
     const std::vector<char> found = FindRims({.radius_px = 5}, cloud);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const double gap = reference::WidestGap(cloud, i, 5);
@@ -163,9 +168,15 @@ TEST(FindRims, IsTheReference) {
       (gap > kThird ? rims : inside) += 1;
     }
   }
-  EXPECT_GT(rims, 200);
-  EXPECT_GT(inside, 200);
+  EXPECT_GT(rims, least_rims);
+  EXPECT_GT(inside, least_inside);
 }
+
+// As many as are looked at where points are sparse, ...
+TEST(FindRims, IsTheReference) { ExpectTheReference(64, 200, 200); }
+
+// ... and dense ones.
+TEST(FindRims, OfDensePointsIsTheReference) { ExpectTheReference(300, 200, 3000); }
 
 TEST(FindRims, PointsOfWhichTooLittleIsKnownStayAndDoNotCount) {
   const float nan = std::numeric_limits<float>::quiet_NaN();

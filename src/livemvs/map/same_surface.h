@@ -33,8 +33,10 @@ inline Seen SeenFrom(const Point& p, const Point& other) {
 /// the distance across it, which is a slope of 63 degrees, or than two standard deviations of both.
 inline bool MayShareSurface(const Point& p, const Point& other, const Seen& seen) {
   constexpr float kSteepest = 2, kSigmas = 2;
+  const float across2 = seen.across.squaredNorm();
+  if (seen.deep * seen.deep <= kSteepest * kSteepest * across2) return true;  // mostly
   return std::abs(seen.deep) <=
-         kSteepest * seen.across.norm() + kSigmas * std::hypot(p.sigma, other.sigma);
+         kSteepest * std::sqrt(across2) + kSigmas * std::hypot(p.sigma, other.sigma);
 }
 
 }  // namespace livemvs
