@@ -176,7 +176,7 @@ void ExpectTheReference(int points, int least_rims, int least_inside) {
 TEST(FindRims, IsTheReference) { ExpectTheReference(64, 200, 200); }
 
 // ... and dense ones.
-TEST(FindRims, OfDensePointsIsTheReference) { ExpectTheReference(300, 200, 3000); }
+TEST(FindRims, OfDensePointsIsTheReference) { ExpectTheReference(200, 150, 2000); }
 
 TEST(FindRims, PointsOfWhichTooLittleIsKnownStayAndDoNotCount) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
