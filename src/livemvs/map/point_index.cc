@@ -39,9 +39,11 @@ struct VisitorSet {
   bool (*visit)(void* visitor, const PointIndex::Neighbor&);
   void* visitor;
 
+  // NOLINTBEGIN(readability-identifier-naming)
   float worstDist() const { return radius2; }
   bool addPoint(float distance2, std::uint32_t index) { return visit(visitor, {index, distance2}); }
   static constexpr bool full() { return true; }
+  // NOLINTEND(readability-identifier-naming)
 };
 
 }  // namespace
